@@ -1,0 +1,3 @@
+//! The irhorizonctl binary: a shim over the library.
+
+fn main() {}

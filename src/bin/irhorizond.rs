@@ -1,0 +1,3 @@
+//! The irhorizond binary: a shim over the library.
+
+fn main() {}

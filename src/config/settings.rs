@@ -1,0 +1,333 @@
+//! The validated configuration: every value in range, every name resolved.
+
+use crate::direction::Direction;
+use crate::head::{Head, Sensor, SensorKind};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Everything the daemon is told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Scans a second, 1 to 200.
+    pub rate_hz: f64,
+    /// The quiet time left on a bus before each read, 0 to 50 ms (`[daemon] quiet-ms`).
+    pub quiet: Duration,
+    /// The sensors, each name once, no two in one place.
+    pub sensors: Vec<SensorSettings>,
+    /// How the head sits on the airframe.
+    pub head: HeadSettings,
+    /// How attitude is estimated.
+    pub estimator: EstimatorSettings,
+    /// When and how it is withheld.
+    pub faults: FaultSettings,
+    /// Where attitude goes by MAVLink.
+    pub mavlink: MavlinkSettings,
+    /// Where it is shown on D-Bus.
+    pub dbus: DbusSettings,
+    /// A flight through a made-up sky in place of the hardware.
+    pub simulation: Option<SimulationSettings>,
+}
+
+impl Settings {
+    /// The head that these sensors make, with the buses in order of first mention.
+    pub fn head(&self) -> Head {
+        let mut buses: Vec<String> = Vec::new();
+        let sensors = self
+            .sensors
+            .iter()
+            .map(|s| {
+                let path = s.device.bus().to_string_lossy().into_owned();
+                let bus = buses.iter().position(|b| *b == path).unwrap_or_else(|| {
+                    buses.push(path);
+                    buses.len() - 1
+                });
+                let kind = match &s.device {
+                    DeviceSettings::Mlx90614(_) => SensorKind::Absolute,
+                    DeviceSettings::Ads1115(a) => {
+                        SensorKind::Pair { neutral_v: a.neutral_v, kelvin_per_v: a.kelvin_per_v }
+                    }
+                };
+                Sensor { name: s.name.clone(), direction: s.direction, kind, bus: Some(bus) }
+            })
+            .collect();
+        Head::new(sensors, buses)
+    }
+}
+
+/// One `[[sensor]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensorSettings {
+    /// Lower-case letters, digits and `_`, a letter first.
+    pub name: String,
+    /// Where it looks; for a pair, the direction whose rising raises its signal.
+    pub direction: Direction,
+    /// The chip it is read from.
+    pub device: DeviceSettings,
+    /// A line that feeds it, to power-cycle it when it hangs.
+    pub power: Option<LineSettings>,
+}
+
+/// The chip a sensor is read from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DeviceSettings {
+    /// A digital thermopile.
+    Mlx90614(Mlx90614Settings),
+    /// A channel of an ADC that carries a pair's difference.
+    Ads1115(Ads1115Settings),
+}
+
+impl DeviceSettings {
+    /// The bus it is on.
+    pub fn bus(&self) -> &PathBuf {
+        match self {
+            Self::Mlx90614(m) => &m.bus,
+            Self::Ads1115(a) => &a.bus,
+        }
+    }
+
+    /// Its address on the bus, 7 bits.
+    pub fn address(&self) -> u8 {
+        match self {
+            Self::Mlx90614(m) => m.address,
+            Self::Ads1115(a) => a.address,
+        }
+    }
+}
+
+/// A digital thermopile (`kind = "mlx90614"`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mlx90614Settings {
+    /// `/dev/i2c-N`.
+    pub bus: PathBuf,
+    /// 0x03 to 0x77.
+    pub address: u8,
+    /// Which of a dual-zone part's objects: 1 or 2.
+    pub object: u8,
+    /// What to do about the packet error code.
+    pub pec: PecPolicy,
+}
+
+/// What to do about the packet error code of an MLX90614.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PecPolicy {
+    /// Check it where the adapter can, say so where it cannot.
+    #[default]
+    Auto,
+    /// Without it the sensor counts as lost.
+    Required,
+    /// Never check it: for parts and adapters whose read PEC does not match.
+    Off,
+}
+
+/// A channel of an ADC (`kind = "ads1115"`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ads1115Settings {
+    /// `/dev/i2c-N`.
+    pub bus: PathBuf,
+    /// 0x48 to 0x4b.
+    pub address: u8,
+    /// The pins.
+    pub input: AdcInput,
+    /// Full scale, V: 6.144, 4.096, 2.048, 1.024, 0.512 or 0.256.
+    pub gain_v: f64,
+    /// Samples a second: 8, 16, 32, 64, 128, 250, 475 or 860.
+    pub data_rate_sps: u16,
+    /// Convert all the time (needs the chip to itself) instead of once for each scan.
+    pub continuous: bool,
+    /// The pair's voltage when it sees no difference, V.
+    pub neutral_v: f64,
+    /// Kelvin for a volt; negative for a pair wired inverted; never 0.
+    pub kelvin_per_v: f64,
+    /// The line that ALERT/RDY is wired to; without it the conversion is waited for and polled.
+    pub data_ready: Option<LineSettings>,
+}
+
+/// Which pins an ADC channel measures: ADS1115 datasheet, MUX 14:12.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AdcInput {
+    /// `ain0-ain1`
+    Ain0Ain1,
+    /// `ain0-ain3`
+    Ain0Ain3,
+    /// `ain1-ain3`
+    Ain1Ain3,
+    /// `ain2-ain3`
+    Ain2Ain3,
+    /// `ain0`, against ground.
+    Ain0,
+    /// `ain1`, against ground.
+    Ain1,
+    /// `ain2`, against ground.
+    Ain2,
+    /// `ain3`, against ground.
+    Ain3,
+}
+
+impl AdcInput {
+    /// All inputs with the names that configuration spells them by, in the order of the MUX codes.
+    pub const NAMED: [(&'static str, Self); 8] = [
+        ("ain0-ain1", Self::Ain0Ain1),
+        ("ain0-ain3", Self::Ain0Ain3),
+        ("ain1-ain3", Self::Ain1Ain3),
+        ("ain2-ain3", Self::Ain2Ain3),
+        ("ain0", Self::Ain0),
+        ("ain1", Self::Ain1),
+        ("ain2", Self::Ain2),
+        ("ain3", Self::Ain3),
+    ];
+}
+
+/// A GPIO line.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct LineSettings {
+    /// The chip's label (`pinctrl-bcm2711`), or `/dev/gpiochipN`.
+    pub chip: String,
+    /// The line's offset on it.
+    pub line: u32,
+    /// Whether the line is active when low.
+    pub active_low: bool,
+}
+
+/// `[head]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeadSettings {
+    /// The roll that the head shows in level flight, °: taken off what is estimated. ±45.
+    pub roll_trim_deg: f64,
+    /// The pitch that the head shows in level flight, °: taken off what is estimated. ±45.
+    pub pitch_trim_deg: f64,
+    /// The sensors' full field of view between half-power points, °: 5 to 150.
+    pub field_of_view_deg: f64,
+}
+
+/// A method of estimation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// The report's scheme.
+    InverseSine,
+}
+
+impl Method {
+    /// All methods with the names that configuration and D-Bus spell them by.
+    pub const NAMED: [(&'static str, Self); 1] = [("inverse-sine", Self::InverseSine)];
+
+    /// The method's name.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::InverseSine => "inverse-sine",
+        }
+    }
+}
+
+/// `[estimator]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EstimatorSettings {
+    /// Which method.
+    pub method: Method,
+    /// The time constant of the range's low-pass filter, s: 0.1 to 60.
+    pub range_time_constant_s: f64,
+    /// The largest roll given, °; 0 = no limit. 45 in the report, and for `inverse-sine` when the
+    /// configuration does not say.
+    pub roll_limit_deg: f64,
+}
+
+/// What ATTITUDE does while it must not be trusted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OnFault {
+    /// It is not sent.
+    #[default]
+    Withhold,
+}
+
+/// `[faults]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaultSettings {
+    /// What ATTITUDE does while it must not be trusted.
+    pub on_fault: OnFault,
+    /// The contrast below which attitude is withheld, K: 0.2 to 20.
+    pub low_contrast_c: f64,
+    /// How long a sensor may give nothing before it is lost, s: 0.02 to 5.
+    pub lost_after_s: f64,
+    /// How long a sensor must give readings again before the fault ends, s: 0.02 to 5.
+    pub back_after_s: f64,
+    /// The age of the newest measurement at which the attitude is stale, s: 0.05 to 10.
+    pub stale_after_s: f64,
+    /// A lamp that is lit while attitude is withheld.
+    pub lamp: Option<LineSettings>,
+}
+
+/// Where a MAVLink endpoint goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum EndpointAddress {
+    /// `udpout:host:port`: datagrams are sent there.
+    UdpOut(SocketAddr),
+    /// `udpin:address:port`: datagrams go to whoever was heard last on that port.
+    UdpIn(SocketAddr),
+}
+
+/// One `[[mavlink.endpoint]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EndpointSettings {
+    /// Where it goes.
+    pub address: EndpointAddress,
+    /// ATTITUDE messages a second, at most the daemon's rate; `None`: one for each frame.
+    pub attitude_hz: Option<f64>,
+}
+
+/// `[mavlink]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MavlinkSettings {
+    /// 1 to 255.
+    pub system_id: u8,
+    /// 1 to 255; 191 is MAV_COMP_ID_ONBOARD_COMPUTER.
+    pub component_id: u8,
+    /// The endpoints.
+    pub endpoints: Vec<EndpointSettings>,
+}
+
+/// `[dbus]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DbusSettings {
+    /// Which bus; `None`: none (`bus = "none"`).
+    pub bus: Option<BusAddress>,
+    /// PropertiesChanged signals a second, 0.1 to 50.
+    pub update_hz: f64,
+}
+
+/// A D-Bus message bus.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BusAddress {
+    /// The system bus.
+    System,
+    /// The session bus.
+    Session,
+    /// A D-Bus address: `unix:path=/run/…`.
+    Address(String),
+}
+
+/// A sky of the report's figure 6.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SkyName {
+    /// Night, 16 °C, a clear and cold sky.
+    Namibia,
+    /// Afternoon, 5 °C, a humid one.
+    Durham,
+}
+
+impl SkyName {
+    /// Both skies with their names.
+    pub const NAMED: [(&'static str, Self); 2] = [("namibia", Self::Namibia), ("durham", Self::Durham)];
+}
+
+/// `[simulation]`, present only while `enabled = true`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimulationSettings {
+    /// Which sky.
+    pub sky: SkyName,
+    /// Noise of each sensor, K rms: 0 to 5.
+    pub noise_c: f64,
+    /// First-order lag of each sensor, s: 0 to 5.
+    pub lag_s: f64,
+    /// The seed of the noise: the same seed, the same flight.
+    pub seed: u64,
+}

@@ -1,0 +1,5 @@
+//! `irhorizonctl`: asks the daemon questions over D-Bus, works on recordings without it.
+//!
+//! - [`view`]: what the daemon says, as a client sees it; `status --format json` is this type.
+
+pub mod view;

@@ -1,0 +1,93 @@
+//! What the daemon says, as a client sees it. `status --format json` prints this.
+
+use serde::Serialize;
+
+/// The daemon's state at one moment.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Status {
+    /// The daemon's version.
+    pub version: String,
+    /// The method of estimation.
+    pub method: String,
+    /// `starting`, `nominal`, `degraded` or `faulted`.
+    pub mode: String,
+    /// Roll, °, right wing down positive; `None` while withheld.
+    pub roll_deg: Option<f64>,
+    /// Pitch, °, nose up positive; `None` while withheld.
+    pub pitch_deg: Option<f64>,
+    /// Standard deviation of roll, °.
+    pub roll_sigma_deg: Option<f64>,
+    /// Standard deviation of pitch, °.
+    pub pitch_sigma_deg: Option<f64>,
+    /// Ground less zenith as the vertical pair sees it, K.
+    pub contrast_c: Option<f64>,
+    /// The stamp of the newest measurement, µs of `CLOCK_BOOTTIME`.
+    pub sample_time_usec: u64,
+    /// Its age when the client looked, s.
+    pub sample_age_s: f64,
+    /// Frames a second.
+    pub rate_hz: f64,
+    /// The active faults.
+    pub faults: Vec<Fault>,
+    /// The sensors, in the configuration's order.
+    pub sensors: Vec<Sensor>,
+    /// The MAVLink endpoints.
+    pub endpoints: Vec<Endpoint>,
+}
+
+/// An active fault.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Fault {
+    /// Its name: `sensor-lost:nose`.
+    pub name: String,
+    /// For how long it has been there when the client looked, s.
+    pub for_s: f64,
+    /// What speaks for it, in words and numbers.
+    pub evidence: String,
+}
+
+/// A sensor.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Sensor {
+    /// Its name.
+    pub name: String,
+    /// `mlx90614` or `ads1115`, or `simulated`.
+    pub kind: String,
+    /// The bus it is read from, empty when simulated.
+    pub bus: String,
+    /// Its address there.
+    pub address: u8,
+    /// Where it looks.
+    pub direction: String,
+    /// `ok`, or why there is no measurement now.
+    pub state: String,
+    /// What it looks at, °C.
+    pub object_c: Option<f64>,
+    /// Its own die, °C.
+    pub ambient_c: Option<f64>,
+    /// The pair's voltage, V.
+    pub volts: Option<f64>,
+    /// How its words are checked: `pec`, `software-pec`, `unchecked: …`.
+    pub integrity: String,
+    /// Its settling time, s; 0 when unknown.
+    pub settling_s: f64,
+    /// Emissivity set in it.
+    pub emissivity: Option<f64>,
+    /// Its identity, hexadecimal, empty when unknown.
+    pub identity: String,
+    /// Named counts since start: `reads`, `retries`, `no-answer`, `bad-pec`, …
+    pub counters: Vec<(String, u64)>,
+}
+
+/// A MAVLink endpoint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Endpoint {
+    /// As configured.
+    pub address: String,
+    /// Messages sent since start.
+    pub sent: u64,
+    /// Messages that could not be sent.
+    pub failed: u64,
+    /// Why the last one failed; empty when it did not.
+    pub last_error: String,
+}

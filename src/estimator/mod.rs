@@ -1,0 +1,27 @@
+//! From frames to attitude. Pure: time comes with the frame; the same frames give the same bytes.
+//!
+//! - [`inverse_sine`]: the report's scheme (section IV.B), the baseline of every comparison.
+//!
+//! A method is an [`Estimator`]; [`crate::horizon`] runs it beside the fault detectors.
+
+use crate::attitude::Attitude;
+use crate::frame::Frame;
+
+/// What a method makes of a frame, before the fault detectors have had their say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Solution {
+    /// Roll and pitch, trims not yet taken off; `None` where the method has none to give.
+    pub attitude: Option<Attitude>,
+    /// Standard deviations of roll and pitch, rad.
+    pub sigma: Attitude,
+    /// The contrast that scaled the angles, K; `None` before it was first seen.
+    pub contrast_k: Option<f64>,
+    /// The components of the contrast vector on (nose, left, up) as seen in this frame alone, K.
+    pub seen_k: Option<[f64; 3]>,
+}
+
+/// A method of estimation.
+pub trait Estimator: Send {
+    /// Takes in a frame, gives what can be said after it.
+    fn update(&mut self, frame: &Frame) -> Solution;
+}

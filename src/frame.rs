@@ -1,0 +1,134 @@
+//! One scan of the head: for each sensor a stamped reading, or the reason why there is none.
+
+use crate::time::Time;
+use std::fmt;
+
+/// What a sensor measured, in the unit it measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// An absolute thermopile (MLX90614).
+    Absolute {
+        /// Temperature of what it looks at, °C.
+        object_c: f64,
+        /// Its own die temperature, °C, the last one read; `None` before the first.
+        ambient_c: Option<f64>,
+    },
+    /// An ADC channel that carries a pair's difference, V.
+    Volts(f64),
+}
+
+/// A measurement with the time of its successful conversion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// What was measured.
+    pub value: Value,
+    /// When: the end of the read that succeeded.
+    pub time: Time,
+}
+
+/// Why a sensor gave no measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Missing {
+    /// Nothing has been asked of it yet.
+    NotYet,
+    /// No acknowledge at its address (ENXIO, EREMOTEIO, ENODEV).
+    NoAnswer,
+    /// The packet error code did not match (EBADMSG).
+    BadPec,
+    /// The sensor's own error bit was set (MLX90614 datasheet, bit 15 of a temperature).
+    ErrorFlag,
+    /// A value at the end of the converter's range.
+    Saturated,
+    /// A value that the sensor cannot give (outside its datasheet's range).
+    Impossible,
+    /// A conversion did not finish in its time.
+    NotReady,
+    /// The bus is held: the transfer timed out (ETIMEDOUT).
+    BusHeld,
+    /// Another transfer error of the adapter.
+    BusError,
+    /// A kernel driver has claimed the address (EBUSY).
+    Claimed,
+    /// The adapter is absent or went away.
+    BusGone,
+    /// The device file may not be opened (EACCES, EPERM).
+    Denied,
+    /// The chip is being power-cycled.
+    PoweredOff,
+    /// An empty or unusable cell of a recording.
+    Empty,
+}
+
+impl Missing {
+    /// A few words for status, log and D-Bus.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::NotYet => "not read yet",
+            Self::NoAnswer => "no answer",
+            Self::BadPec => "PEC mismatch",
+            Self::ErrorFlag => "error bit set",
+            Self::Saturated => "saturated",
+            Self::Impossible => "impossible value",
+            Self::NotReady => "conversion not ready",
+            Self::BusHeld => "bus held",
+            Self::BusError => "bus error",
+            Self::Claimed => "claimed by a kernel driver",
+            Self::BusGone => "bus gone",
+            Self::Denied => "permission denied",
+            Self::PoweredOff => "being power-cycled",
+            Self::Empty => "no reading",
+        }
+    }
+}
+
+impl fmt::Display for Missing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+/// A sensor's part of a frame.
+pub type Reading = Result<Sample, Missing>;
+
+/// What other instruments said since the last frame; `None` where nothing new came.
+///
+/// Never a truth to be believed by itself: see the estimators for what each is used for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Aiding {
+    /// Body rates about x (nose), y (right), z (down), °/s.
+    pub gyro_deg_s: [Option<f64>; 3],
+    /// Airspeed, m/s.
+    pub airspeed_m_s: Option<f64>,
+    /// GPS ground speed, m/s.
+    pub ground_speed_m_s: Option<f64>,
+    /// GPS course over ground, ° clockwise from north.
+    pub course_deg: Option<f64>,
+    /// Climb rate, m/s, up positive.
+    pub climb_m_s: Option<f64>,
+    /// Altitude, m.
+    pub altitude_m: Option<f64>,
+}
+
+/// One scan of the head. Hardware, simulation and replay are three sources of frames,
+/// alike to everything after them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// When the scan ended.
+    pub time: Time,
+    /// One reading for each sensor of the head, in the head's order.
+    pub readings: Vec<Reading>,
+    /// What arrived beside them.
+    pub aiding: Aiding,
+}
+
+impl Frame {
+    /// A frame of `sensors` readings, all [`Missing::NotYet`].
+    pub fn new(sensors: usize) -> Self {
+        Self { time: Time::default(), readings: vec![Err(Missing::NotYet); sensors], aiding: Aiding::default() }
+    }
+
+    /// The time of the newest successful conversion in this frame.
+    pub fn sample_time(&self) -> Option<Time> {
+        self.readings.iter().flatten().map(|s| s.time).max()
+    }
+}

@@ -1,0 +1,60 @@
+//! The one shared state: written by the sampling loop, read by every publisher.
+
+use crate::attitude::Estimate;
+use crate::frame::Frame;
+use crate::source::SensorHealth;
+use crate::time::Time;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// What the sampling loop says after each frame.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    /// Counts frames; 0 before the first.
+    pub sequence: u64,
+    /// When this was written, on the same clock as every stamp.
+    pub written: Time,
+    /// The estimate.
+    pub estimate: Estimate,
+    /// The frame it came from.
+    pub frame: Frame,
+    /// What is known of each sensor, in the head's order.
+    pub health: Vec<SensorHealth>,
+    /// Frames a second, measured over the last few seconds.
+    pub rate_hz: f64,
+    /// How many times each configuration-relevant change has happened: a publisher that sees it
+    /// change reads its settings again.
+    pub generation: u64,
+    /// The daemon is going down.
+    pub stopping: bool,
+}
+
+/// The state with a bell that rings at every change.
+#[derive(Debug, Default)]
+pub struct Shared {
+    snapshot: Mutex<Snapshot>,
+    changed: Condvar,
+}
+
+impl Shared {
+    /// The state, for a short look or a short write.
+    pub fn lock(&self) -> MutexGuard<'_, Snapshot> {
+        self.snapshot.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Changes the state and wakes the publishers.
+    pub fn update(&self, change: impl FnOnce(&mut Snapshot)) {
+        change(&mut self.lock());
+        self.changed.notify_all();
+    }
+
+    /// Waits until a frame later than `seen` is there, the daemon stops, or `timeout` is over;
+    /// gives the state then.
+    pub fn wait_beyond(&self, seen: u64, timeout: Duration) -> MutexGuard<'_, Snapshot> {
+        let guard = self.lock();
+        self.changed
+            .wait_timeout_while(guard, timeout, |s| s.sequence <= seen && !s.stopping)
+            .unwrap_or_else(PoisonError::into_inner)
+            .0
+    }
+}
