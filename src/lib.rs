@@ -10,7 +10,7 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`time`], [`direction`], [`frame`], [`attitude`], [`head`] | the nouns: instants, where sensors look, a scan, what is said of it |
-//! | [`estimator`], [`fault`] | the pure core: no clock, file, socket or thread |
+//! | [`estimator`], [`fault`], [`horizon`] | the pure core: no clock, file, socket or thread |
 //! | [`bus`], [`source`] | the shell inwards: SMBus words, sources of frames |
 //! | [`config`] | what the daemon is told, validated |
 //! | [`sensor`] | chips: MLX90614, ADS1115 |
@@ -29,6 +29,7 @@ pub mod estimator;
 pub mod fault;
 pub mod frame;
 pub mod head;
+pub mod horizon;
 pub mod recording;
 pub mod sensor;
 pub mod source;
