@@ -10,10 +10,11 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`time`], [`direction`], [`frame`], [`attitude`], [`head`] | the nouns: instants, where sensors look, a scan, what is said of it |
-//! | [`estimator`], [`fault`] | the pure core: no clock, file, socket or thread |
+//! | [`sky`], [`estimator`], [`fault`] | the pure core: no clock, file, socket or thread |
 //! | [`bus`], [`source`] | the shell inwards: SMBus words, sources of frames |
 //! | [`config`] | what the daemon is told, validated |
 //! | [`sensor`] | chips: MLX90614, ADS1115 |
+//! | [`simulation`] | a made-up flight under a made-up sky |
 //! | [`recording`] | CSV recordings, live frames for whoever records |
 //! | [`ctl`] | the command that asks |
 //! | [`state`], [`clock`] | the one shared state, the one clock |
@@ -31,6 +32,8 @@ pub mod frame;
 pub mod head;
 pub mod recording;
 pub mod sensor;
+pub mod simulation;
+pub mod sky;
 pub mod source;
 pub mod state;
 pub mod time;

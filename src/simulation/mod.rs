@@ -1,0 +1,1 @@
+//! A made-up flight under a made-up sky, in place of the hardware.
