@@ -10,13 +10,12 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`time`], [`direction`], [`frame`], [`attitude`], [`head`] | the nouns: instants, where sensors look, a scan, what is said of it |
-//! | [`estimator`], [`fault`], [`horizon`] | the pure core: no clock, file, socket or thread |
-//! | [`bus`], [`source`] | the shell inwards: SMBus words, sources of frames |
+//! | [`sky`], [`estimator`], [`fault`], [`horizon`] | the pure core: no clock, file, socket or thread |
+//! | [`bus`], [`sensor`] | the hardware: SMBus words, lines, chips |
+//! | [`simulation`], [`recording`] | the other two sources of frames, and where frames are kept |
+//! | [`source`], [`state`], [`clock`] | the trait of the three sources, the one shared state, the one clock |
 //! | [`config`] | what the daemon is told, validated |
-//! | [`sensor`] | chips: MLX90614, ADS1115 |
-//! | [`recording`] | CSV recordings, live frames for whoever records |
-//! | [`ctl`] | the command that asks |
-//! | [`state`], [`clock`] | the one shared state, the one clock |
+//! | [`ctl`] | the two commands |
 #![deny(unsafe_code)]
 
 pub mod attitude;
@@ -32,6 +31,8 @@ pub mod head;
 pub mod horizon;
 pub mod recording;
 pub mod sensor;
+pub mod simulation;
+pub mod sky;
 pub mod source;
 pub mod state;
 pub mod time;

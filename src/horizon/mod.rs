@@ -24,9 +24,12 @@ impl Horizon {
         let e = &settings.estimator;
         let f = &settings.faults;
         let estimator = match e.method {
-            Method::InverseSine => {
-                Box::new(InverseSineEstimator::new(head.clone(), e.range_time_constant_s, e.roll_limit_deg))
-            }
+            Method::InverseSine => Box::new(InverseSineEstimator::new(
+                head.clone(),
+                settings.head.field_of_view_deg,
+                e.range_time_constant_s,
+                e.roll_limit_deg,
+            )),
         };
         Self {
             estimator,

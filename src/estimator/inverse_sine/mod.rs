@@ -5,6 +5,7 @@
 //! Its two known faults are kept with it: `R` shrinks with `cos φ cos θ` in a sustained bank, and
 //! `asin(y/R)` is not roll while pitch is not zero. The standard deviations own up to both.
 
+mod excess;
 mod table;
 
 use super::contrast_vector::contrast_vector;
@@ -13,6 +14,7 @@ use super::{Estimator, Solution};
 use crate::attitude::Attitude;
 use crate::frame::Frame;
 use crate::head::Head;
+use excess::Excess;
 use table::InverseSine;
 
 /// Noise of one pair's signal that the standard deviations assume, K rms: two sensors of 0.08 K.
@@ -21,15 +23,12 @@ const PAIR_NOISE_K: f64 = 0.113;
 /// The smallest range that an angle is divided by, K: far below any usable contrast.
 const SMALLEST_RANGE_K: f64 = 1e-3;
 
-/// How much the sine overestimates at worst for the sky of the report, as a fraction of
-/// `sin 2·angle`: a standard deviation that covers the overestimate of a 90° sensor (up to 2.7°).
-const SINE_EXCESS_RAD: f64 = 0.047;
-
 /// The report's estimator.
 #[derive(Clone, Debug)]
 pub struct InverseSineEstimator {
     head: Head,
     table: InverseSine,
+    excess: Excess,
     /// Low-passed |z|: what scales the angles.
     range: LowPass,
     /// Low-passed z: the contrast with its sign.
@@ -38,12 +37,14 @@ pub struct InverseSineEstimator {
 }
 
 impl InverseSineEstimator {
-    /// For `head`; `range_time_constant_s` > 0 in seconds, `roll_limit_deg` in degrees, 0 = none
+    /// For `head` of sensors with `field_of_view_deg` (only their standard deviation depends on it);
+    /// `range_time_constant_s` > 0 in seconds, `roll_limit_deg` in degrees, 0 = none
     /// (the report: 45).
-    pub fn new(head: Head, range_time_constant_s: f64, roll_limit_deg: f64) -> Self {
+    pub fn new(head: Head, field_of_view_deg: f64, range_time_constant_s: f64, roll_limit_deg: f64) -> Self {
         Self {
             head,
             table: InverseSine::new(),
+            excess: Excess::new(field_of_view_deg),
             range: LowPass::new(range_time_constant_s),
             contrast: LowPass::new(range_time_constant_s),
             roll_limit: if roll_limit_deg > 0.0 { roll_limit_deg.to_radians() } else { std::f64::consts::PI },
@@ -55,7 +56,7 @@ impl InverseSineEstimator {
     fn angle(&self, signal_k: f64, range_k: f64, seen_k: f64) -> (f64, f64) {
         let angle = self.table.angle(signal_k / range_k);
         let noise = PAIR_NOISE_K / range_k / angle.cos().max(0.1);
-        let excess = SINE_EXCESS_RAD * (2.0 * angle).sin();
+        let excess = self.excess.at(angle);
         let doubt = angle - self.table.angle(signal_k / seen_k.max(SMALLEST_RANGE_K));
         (angle, noise.hypot(excess).hypot(doubt))
     }

@@ -42,7 +42,7 @@ fn pair_frame(head: &Head, attitude: Attitude, contrast_k: f64, time_s: f64) -> 
 }
 
 fn estimator(head: Head) -> InverseSineEstimator {
-    InverseSineEstimator::new(head, 3.0, 45.0)
+    InverseSineEstimator::new(head, 90.0, 3.0, 45.0)
 }
 
 /// What the scheme gives when the range was learnt in level flight.
@@ -69,7 +69,7 @@ fn right_wing_down_is_positive_roll_and_nose_up_positive_pitch() {
 #[test]
 fn roll_is_limited_as_configured() {
     assert!((after_level(Attitude::from_degrees(70.0, 0.0), 30.0).roll.to_degrees() - 45.0).abs() < 1e-9);
-    let mut free = InverseSineEstimator::new(Head::six(), 3.0, 0.0);
+    let mut free = InverseSineEstimator::new(Head::six(), 90.0, 3.0, 0.0);
     free.update(&six_frame(Attitude::default(), 30.0, 0.0));
     let a = free.update(&six_frame(Attitude::from_degrees(70.0, 0.0), 30.0, 0.001)).attitude.unwrap();
     assert!((a.roll.to_degrees() - 70.0).abs() < 0.1);
@@ -86,7 +86,7 @@ fn the_range_follows_the_vertical_pair_with_its_time_constant() {
 #[test]
 fn a_sustained_bank_reads_steeper_never_shallower() {
     // Known fault of the scheme: R falls with cos φ; at 40° for ever asin(tan 40°) = 57°.
-    let mut e = InverseSineEstimator::new(Head::six(), 3.0, 0.0);
+    let mut e = InverseSineEstimator::new(Head::six(), 90.0, 3.0, 0.0);
     let mut last = Solution::default();
     for i in 0..3000 {
         last = e.update(&six_frame(Attitude::from_degrees(40.0, 0.0), 30.0, f64::from(i) * 0.02));
