@@ -36,14 +36,14 @@ fn frames(source: &mut SimulatedSource, sensors: usize, rate_hz: f64, seconds: f
 }
 
 fn object_c(frame: &Frame, sensor: usize) -> f64 {
-    match frame.readings[sensor].unwrap().value {
+    match frame.readings[sensor].expect("a reading").value {
         Value::Absolute { object_c, .. } => object_c,
         Value::Volts(_) => panic!("sensor {sensor} gives volts"),
     }
 }
 
 fn volts(frame: &Frame, sensor: usize) -> f64 {
-    match frame.readings[sensor].unwrap().value {
+    match frame.readings[sensor].expect("a reading").value {
         Value::Volts(v) => v,
         Value::Absolute { .. } => panic!("sensor {sensor} gives a temperature"),
     }

@@ -37,10 +37,10 @@ pub struct Node {
 
 /// Steps across the field, and around the axis over half a turn (the other half is the mirror image).
 const OFF_AXIS: usize = 48;
-const AROUND: usize = 32;
+const AROUND: usize = 48;
 
 impl FieldOfView {
-    /// The field as weighted directions (midpoint rule). About 1500; to be made once.
+    /// The field as weighted directions (midpoint rule). About 2300; to be made once.
     pub fn nodes(self) -> Vec<Node> {
         let mut nodes = match self {
             Self::InPlane { half_deg } => {

@@ -53,7 +53,7 @@ impl Sky {
     ///
     /// The ground is the caption's of figure 2. `SkyMax` is a choice: the text gives no number, only
     /// that Namibia's sky is the warmer of the two in °C (section III) and that a pair's output is
-    /// flattened where the difference is low (section IV.A). With 30 K Durham's zenith, −24.8 °C,
+    /// flattened where the difference is low (section IV.A). With 30 K Durham's zenith, −24.9 °C,
     /// lies just below Namibia's −23.8 °C, and its contrast well below Namibia's.
     pub const DURHAM: Self = Self { ground_c: 5.0, sky_max_k: 30.0, shape: Shape::Exponential { k: 5.5 } };
 

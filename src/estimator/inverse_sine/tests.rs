@@ -42,7 +42,11 @@ fn pair_frame(head: &Head, attitude: Attitude, contrast_k: f64, time_s: f64) -> 
 }
 
 fn estimator(head: Head) -> InverseSineEstimator {
-    InverseSineEstimator::new(head, 90.0, 3.0, 45.0)
+    // The excess table is the same for all and takes milliseconds to make.
+    static MADE: std::sync::OnceLock<InverseSineEstimator> = std::sync::OnceLock::new();
+    let mut e = MADE.get_or_init(|| InverseSineEstimator::new(Head::six(), 90.0, 3.0, 45.0)).clone();
+    e.head = head;
+    e
 }
 
 /// What the scheme gives when the range was learnt in level flight.
