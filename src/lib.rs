@@ -15,6 +15,7 @@
 //! | [`config`] | what the daemon is told, validated |
 //! | [`sensor`] | chips: MLX90614, ADS1115 |
 //! | [`recording`] | CSV recordings, live frames for whoever records |
+//! | [`mavlink`] | attitude, heartbeat and faults as MAVLink messages |
 //! | [`ctl`] | the command that asks |
 //! | [`state`], [`clock`] | the one shared state, the one clock |
 #![deny(unsafe_code)]
@@ -29,6 +30,7 @@ pub mod estimator;
 pub mod fault;
 pub mod frame;
 pub mod head;
+pub mod mavlink;
 pub mod recording;
 pub mod sensor;
 pub mod source;
