@@ -247,3 +247,184 @@ fn open(address: &EndpointAddress) -> Result<UdpSocket, Trouble> {
     };
     open().map_err(|e| Trouble::new(&e, port))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOBODY: fn(&[u8]) = |_| {};
+
+    fn at(secs: f64) -> Time {
+        Time::from_secs_f64(1000.0 + secs)
+    }
+
+    fn receiver(address: &str) -> UdpSocket {
+        let socket = UdpSocket::bind(address).unwrap();
+        socket.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
+        socket
+    }
+
+    fn received(socket: &UdpSocket) -> Vec<u8> {
+        let mut buffer = [0; 64];
+        let length = socket.recv(&mut buffer).unwrap();
+        buffer[..length].to_vec()
+    }
+
+    fn nothing(socket: &UdpSocket) -> bool {
+        socket.set_nonblocking(true).unwrap();
+        let error = socket.recv(&mut [0; 64]).unwrap_err();
+        socket.set_nonblocking(false).unwrap();
+        error.kind() == ErrorKind::WouldBlock
+    }
+
+    #[test]
+    fn udpout_reaches_both_internets() {
+        for address in ["127.0.0.1:0", "[::1]:0"] {
+            let socket = receiver(address);
+            let to = socket.local_addr().unwrap();
+            let mut endpoint = Endpoint::new(EndpointAddress::UdpOut(to));
+            assert!(!endpoint.listening());
+            endpoint.send(at(0.0), b"too early");
+            endpoint.tend(at(0.0), NOBODY);
+            assert!(endpoint.listening());
+            endpoint.send(at(0.0), b"fd");
+            assert_eq!(received(&socket), b"fd");
+            let view = endpoint.stats().view();
+            assert_eq!((view.address, view.sent, view.failed), (format!("udpout:{to}"), 1, 1));
+        }
+    }
+
+    #[test]
+    fn nobody_listening_is_noticed_and_does_not_last() {
+        let socket = receiver("127.0.0.1:0");
+        let to = socket.local_addr().unwrap();
+        drop(socket);
+        let mut endpoint = Endpoint::new(EndpointAddress::UdpOut(to));
+        endpoint.tend(at(0.0), NOBODY);
+        for _ in 0..10 {
+            endpoint.send(at(0.0), b"lost");
+        }
+        let view = endpoint.stats().view();
+        assert!(view.failed >= 9 && view.sent == 10, "{view:?}");
+        assert_eq!(
+            view.last_error,
+            format!("udpout:{to}: nobody listens there; start the receiver or correct the address")
+        );
+        assert!(!endpoint.listening());
+        endpoint.tend(at(0.1), NOBODY);
+        let socket = receiver(&to.to_string());
+        endpoint.send(at(0.2), b"here");
+        assert_eq!(received(&socket), b"here", "not the first one after the refusals");
+        endpoint.tend(at(3.05), NOBODY);
+        assert!(!endpoint.listening());
+        endpoint.tend(at(3.2), NOBODY);
+        assert!(endpoint.listening());
+        assert_eq!(endpoint.stats().view().last_error, "");
+    }
+
+    #[test]
+    fn a_port_in_use_is_named_and_tried_again() {
+        let other = receiver("127.0.0.1:0");
+        let address = other.local_addr().unwrap();
+        let mut endpoint = Endpoint::new(EndpointAddress::UdpIn(address));
+        endpoint.tend(at(0.0), NOBODY);
+        let port = address.port();
+        assert_eq!(
+            endpoint.stats().view().last_error,
+            format!(
+                "udpin:127.0.0.1:{port}: the port is in use by another program; choose another port or stop it \
+                 (ss -lunp 'sport = :{port}')"
+            )
+        );
+        drop(other);
+        endpoint.tend(at(0.9), NOBODY);
+        assert!(endpoint.socket.is_none(), "tried again before its time");
+        endpoint.tend(at(1.0), NOBODY);
+        assert!(endpoint.socket.is_some());
+    }
+
+    #[test]
+    fn an_address_that_is_not_here_is_waited_for() {
+        // TEST-NET-1 is nobody's.
+        let mut endpoint = Endpoint::new(EndpointAddress::UdpIn("192.0.2.1:14550".parse().unwrap()));
+        for i in 0..5 {
+            endpoint.tend(at(f64::from(i)), NOBODY);
+            endpoint.send(at(f64::from(i)), b"fd");
+        }
+        let view = endpoint.stats().view();
+        assert!(view.last_error.contains("does not have that address"), "{view:?}");
+        assert_eq!(view.failed, 5);
+    }
+
+    fn udpin() -> (Endpoint, SocketAddr) {
+        let mut endpoint = Endpoint::new(EndpointAddress::UdpIn("127.0.0.1:0".parse().unwrap()));
+        endpoint.tend(at(0.0), NOBODY);
+        let address = endpoint.socket.as_ref().unwrap().local_addr().unwrap();
+        (endpoint, address)
+    }
+
+    #[test]
+    fn udpin_sends_to_whom_it_heard_and_forgets_who_is_silent() {
+        let (mut endpoint, address) = udpin();
+        endpoint.send(at(0.0), b"to nobody");
+        let peers: Vec<UdpSocket> = (0..5).map(|_| receiver("127.0.0.1:0")).collect();
+        for (i, peer) in peers.iter().take(4).enumerate() {
+            peer.send_to(b"hello", address).unwrap();
+            endpoint.tend(at(i as f64), NOBODY);
+        }
+        endpoint.send(at(4.0), b"1");
+        for peer in peers.iter().take(4) {
+            assert_eq!(received(peer), b"1");
+        }
+        // The first is heard again, so that the second is silent for longest when a fifth comes.
+        peers[0].send_to(b"hello", address).unwrap();
+        endpoint.tend(at(5.0), NOBODY);
+        peers[4].send_to(b"hello", address).unwrap();
+        endpoint.tend(at(6.0), NOBODY);
+        endpoint.send(at(7.0), b"2");
+        assert!(nothing(&peers[1]));
+        for i in [0, 2, 3, 4] {
+            assert_eq!(received(&peers[i]), b"2");
+        }
+        endpoint.tend(at(65.5), NOBODY);
+        endpoint.send(at(65.5), b"3");
+        assert_eq!(received(&peers[4]), b"3");
+        assert!([0, 2, 3].iter().all(|i| nothing(&peers[*i])), "sent to the silent");
+        endpoint.tend(at(70.0), NOBODY);
+        assert!(!endpoint.listening());
+        let view = endpoint.stats().view();
+        assert_eq!((view.sent, view.failed, view.last_error.as_str()), (9, 0, ""));
+    }
+
+    #[test]
+    fn an_empty_datagram_is_not_the_end_and_a_flood_not_for_ever() {
+        let (mut endpoint, address) = udpin();
+        let peer = receiver("127.0.0.1:0");
+        peer.send_to(b"", address).unwrap();
+        peer.send_to(b"after", address).unwrap();
+        let mut heard = Vec::new();
+        endpoint.tend(at(0.0), |d| heard.push(d.to_vec()));
+        assert_eq!(heard, [b"".to_vec(), b"after".to_vec()]);
+        for _ in 0..100 {
+            peer.send_to(b"x", address).unwrap();
+        }
+        let mut count = 0;
+        endpoint.tend(at(0.0), |_| count += 1);
+        assert_eq!(count, MAX_DRAINED);
+    }
+
+    #[test]
+    fn a_peer_that_went_away_harms_nobody() {
+        let (mut endpoint, address) = udpin();
+        let (gone, stays) = (receiver("127.0.0.1:0"), receiver("127.0.0.1:0"));
+        gone.send_to(b"hello", address).unwrap();
+        stays.send_to(b"hello", address).unwrap();
+        endpoint.tend(at(0.0), NOBODY);
+        drop(gone);
+        for i in 0..20_u8 {
+            endpoint.send(at(0.0), &[i]);
+            endpoint.tend(at(0.0), NOBODY);
+            assert_eq!(received(&stays), [i]);
+        }
+    }
+}

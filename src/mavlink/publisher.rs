@@ -70,7 +70,7 @@ impl Link {
     }
 }
 
-/// The links that `wanted` asks for; those of `old` whose address stays go on.
+/// The links that `wanted` asks for, for what comes after frame `sequence`; those of `old` whose address stays go on.
 fn link(now: Time, sequence: u64, wanted: &Wanted, mut old: Vec<Link>) -> Vec<Link> {
     let MavlinkSettings { system_id, component_id, endpoints } = &wanted.settings;
     // Sockets that are no longer wanted are closed before others are opened.
@@ -103,6 +103,7 @@ pub fn run(shared: &Shared, switchboard: &Switchboard) {
     let mut generation = None;
     loop {
         let snapshot = shared.wait_beyond(seen.sequence, if generation.is_none() { Duration::ZERO } else { WAIT });
+        let sent = seen.sequence;
         seen.copy(&snapshot);
         let (stopping, current) = (snapshot.stopping, snapshot.generation);
         drop(snapshot);
@@ -110,7 +111,7 @@ pub fn run(shared: &Shared, switchboard: &Switchboard) {
         if generation != Some(current) {
             generation = Some(current);
             wanted = switchboard.wanted();
-            links = link(now, seen.sequence, &wanted, links);
+            links = link(now, sent, &wanted, links);
             *switchboard.endpoints.lock().unwrap_or_else(PoisonError::into_inner) =
                 links.iter().map(|l| Arc::clone(l.endpoint.stats())).collect();
         }

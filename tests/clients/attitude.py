@@ -106,7 +106,8 @@ class Listener:
                 "pitch_deg": self.pitch.report(),
                 "yaw_deg": self.yaw.report(),
                 "time_boot_ms": {"first": stamps[0], "last": stamps[-1]} if stamps else None,
-                "time_boot_ms_rises": all(0 < step < 2**31 for step in steps),
+                "time_boot_ms_monotonic": all(step < 2**31 for step in steps),
+                "time_boot_ms_repeats": steps.count(0),
             },
             "heartbeat": {
                 "count": len(beats),
