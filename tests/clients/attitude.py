@@ -13,12 +13,21 @@ import csv
 import json
 import math
 import os
+import subprocess
 import sys
 import time
 
 os.environ["MAVLINK20"] = "1"
 os.environ["MAVLINK_DIALECT"] = "common"
-from pymavlink import mavutil  # noqa: E402
+try:
+    from pymavlink import mavutil
+except ImportError:
+    # With another Python than the one that has pymavlink: fetch that one, once.
+    setup = os.path.join(os.path.dirname(os.path.abspath(__file__)), "setup")
+    python = subprocess.run([setup], check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
+    if os.path.realpath(sys.prefix) == os.path.realpath(os.path.dirname(os.path.dirname(python))):
+        raise
+    os.execv(python, [python, *sys.argv])
 
 
 class Span:
