@@ -1,5 +1,6 @@
 //! What a real client hears: pymavlink, in the virtual environment that `clients/setup` makes.
 //! Without Python or pymavlink these tests fail; they are never skipped.
+#![allow(clippy::unwrap_used, reason = "a test may panic, its helpers too")]
 
 use irhorizon::attitude::{Attitude, Estimate, Mode};
 use irhorizon::clock;

@@ -1,4 +1,5 @@
 //! The publisher's thread over loopback: prompt, ends when told, keeps its sockets at a reload.
+#![allow(clippy::unwrap_used, reason = "a test may panic, its helpers too")]
 
 use irhorizon::attitude::{Attitude, Mode};
 use irhorizon::clock;
