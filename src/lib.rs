@@ -14,9 +14,10 @@
 //! | [`bus`], [`sensor`] | the hardware: SMBus words, lines, chips |
 //! | [`simulation`], [`recording`] | the other two sources of frames, and where frames are kept |
 //! | [`source`], [`state`], [`clock`] | the trait of the three sources, the one shared state, the one clock |
+//! | [`mavlink`] | the publishers |
 //! | [`config`] | what the daemon is told, validated |
 //! | [`ctl`] | the two commands |
-#![deny(unsafe_code)]
+#![deny(unsafe_code, clippy::unwrap_used)]
 
 pub mod attitude;
 pub mod bus;
@@ -29,6 +30,7 @@ pub mod fault;
 pub mod frame;
 pub mod head;
 pub mod horizon;
+pub mod mavlink;
 pub mod recording;
 pub mod sensor;
 pub mod simulation;
