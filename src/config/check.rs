@@ -136,7 +136,7 @@ pub fn warnings(settings: &Settings) -> Vec<String> {
         if !head.pairs.iter().any(|p| p.uses(i)) {
             warnings.push(format!("sensor \"{}\": no sensor looks the opposite way, so nothing uses it", s.name));
         }
-        if Direction::named(&s.name).is_some_and(|d| d != s.direction) {
+        if Direction::named(&s.name).is_some_and(|d| d.dot(s.direction.components()) < 0.999) {
             warnings.push(format!("sensor \"{}\": in spite of its name it looks {}", s.name, s.direction));
         }
     }
