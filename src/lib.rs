@@ -15,6 +15,7 @@
 //! | [`config`] | what the daemon is told, validated |
 //! | [`sensor`] | chips: MLX90614, ADS1115 |
 //! | [`recording`] | CSV recordings, live frames for whoever records |
+//! | [`dbus`] | attitude, faults and sensors on D-Bus |
 //! | [`ctl`] | the command that asks |
 //! | [`state`], [`clock`] | the one shared state, the one clock |
 #![deny(unsafe_code)]
@@ -24,6 +25,7 @@ pub mod bus;
 pub mod clock;
 pub mod config;
 pub mod ctl;
+pub mod dbus;
 pub mod direction;
 pub mod estimator;
 pub mod fault;
