@@ -255,6 +255,37 @@ fn a_bus_that_comes_later_is_joined() {
 }
 
 #[test]
+fn a_bus_that_hangs_holds_up_nobody() {
+    let bus = Bus::new();
+    let mut daemon = Daemon::start(&bus);
+    let mut client = bus.client();
+    daemon.frame(level);
+    bus.signal("STOP");
+    let start = Instant::now();
+    let mut slowest = Duration::ZERO;
+    for i in 0..500 {
+        let before = Instant::now();
+        daemon.shared.update(|s| {
+            s.sequence += 1;
+            s.written = irhorizon::clock::now();
+            s.estimate.mode = if i % 2 == 0 { Mode::Nominal } else { Mode::Degraded };
+        });
+        slowest = slowest.max(before.elapsed());
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert!(slowest < Duration::from_millis(20), "{slowest:?} for a frame");
+    assert!(matches!(client.status(), Err(ClientError::Answer(_, how)) if how.contains("no answer within 3 s")));
+    assert!(matches!(Client::connect(&bus.choice()), Err(ClientError::NoBus(..))));
+    assert!(start.elapsed() < Duration::from_secs(8));
+    bus.signal("CONT");
+    daemon.frame(level);
+    assert_eq!(client.status().unwrap().mode, "nominal");
+    bus.signal("STOP");
+    assert!(daemon.stop() < Duration::from_millis(200));
+    bus.signal("CONT");
+}
+
+#[test]
 fn a_stream_gives_the_header_and_then_the_lines() {
     let bus = Bus::new();
     let daemon = Daemon::start(&bus);

@@ -1,4 +1,4 @@
-//! The daemon asked over D-Bus. Every call blocks, none for longer than a few seconds.
+//! The daemon asked over D-Bus. Every call blocks, for 3 s at most; a reload for 12 s.
 
 use super::view::{Endpoint, Fault, Sensor, Status};
 use crate::clock;
@@ -9,15 +9,19 @@ use crate::time::Time;
 use rustix::net::{RecvFlags, recv};
 use std::collections::HashMap;
 use std::fmt;
+use std::future::Future;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::time::Duration;
 use zbus::fdo::ManagedObjects;
 use zbus::message::Message;
 use zbus::names::OwnedUniqueName;
 use zbus::{Connection, DynamicType, OwnedVariant};
+use zruntime::SharedRuntime;
 
-/// As long as an answer may take: the daemon's own limit for a reload, and some more.
-const ANSWER_LIMIT: Duration = Duration::from_secs(12);
+/// As long as the bus may take to let us in, and the daemon to answer.
+const ANSWER_LIMIT: Duration = Duration::from_secs(3);
+/// As long as a reload may take: the daemon's own limit, and some more.
+const RELOAD_LIMIT: Duration = Duration::from_secs(12);
 const BUS: &str = "org.freedesktop.DBus";
 
 /// Why the daemon gave no answer, with the user's next step.
@@ -119,7 +123,7 @@ impl Client {
 
     /// Has the daemon read its configuration again; returns when it holds.
     pub fn reload(&mut self) -> Result<(), ClientError> {
-        zbus::block_on(self.call("reloading the configuration", CONTROL, "Reload", &())).map(drop)
+        zbus::block_on(self.call_within(RELOAD_LIMIT, "reloading the configuration", CONTROL, "Reload", &())).map(drop)
     }
 
     /// Frames as they come.
@@ -135,17 +139,12 @@ impl Client {
         if let Some(connection) = self.connection.as_ref().filter(|c| !c.is_closed()) {
             return Ok(connection.clone());
         }
-        let attempt = match builder(&self.bus) {
-            Ok(builder) => builder.method_timeout(ANSWER_LIMIT).build().await,
-            Err(e) => Err(e),
-        };
-        let connection = attempt.map_err(|e| ClientError::NoBus(self.bus.clone(), e.to_string()))?;
+        let attempt = within(ANSWER_LIMIT, async { builder(&self.bus)?.build().await }).await;
+        let connection = attempt.map_err(|e| ClientError::NoBus(self.bus.clone(), reason(&e)))?;
         self.connection = Some(connection.clone());
         Ok(connection)
     }
 
-    /// Calls a method of the daemon's object. Its owner is asked for first: a call by name would
-    /// have the bus start a daemon that is not running.
     async fn call<B>(
         &mut self,
         what: &'static str,
@@ -156,12 +155,48 @@ impl Client {
     where
         B: serde::Serialize + DynamicType,
     {
+        self.call_within(ANSWER_LIMIT, what, interface, method, body).await
+    }
+
+    /// Calls a method of the daemon's object. Its owner is asked for first: a call by name would
+    /// have the bus start a daemon that is not running.
+    async fn call_within<B>(
+        &mut self,
+        limit: Duration,
+        what: &'static str,
+        interface: &str,
+        method: &str,
+        body: &B,
+    ) -> Result<Message, ClientError>
+    where
+        B: serde::Serialize + DynamicType,
+    {
         let connection = self.connection().await?;
-        let explain = |e| explain(what, &self.bus, e);
-        let owner = connection.call_method(Some(BUS), "/org/freedesktop/DBus", Some(BUS), "GetNameOwner", &NAME);
-        let owner: OwnedUniqueName = owner.await.map_err(explain)?.body().deserialize().map_err(explain)?;
-        let reply = connection.call_method(Some(&*owner), PATH, Some(interface), method, body);
-        reply.await.map_err(explain)
+        let answer = within(limit, async {
+            let owner = connection.call_method(Some(BUS), "/org/freedesktop/DBus", Some(BUS), "GetNameOwner", &NAME);
+            let owner: OwnedUniqueName = owner.await?.body().deserialize()?;
+            connection.call_method(Some(&*owner), PATH, Some(interface), method, body).await
+        });
+        answer.await.map_err(|e| explain(what, &self.bus, e))
+    }
+}
+
+/// What `ask` gives, or an error of the kind `TimedOut` after `limit`.
+async fn within<T>(limit: Duration, ask: impl Future<Output = zbus::Result<T>>) -> zbus::Result<T> {
+    match SharedRuntime::current()?.timeout(limit, ask).await {
+        Ok(outcome) => outcome,
+        Err(_) => {
+            let text = format!("no answer within {} s", limit.as_secs());
+            Err(std::io::Error::new(std::io::ErrorKind::TimedOut, text).into())
+        }
+    }
+}
+
+/// The error's own words, without zbus's.
+fn reason(error: &zbus::Error) -> String {
+    match error {
+        zbus::Error::InputOutput(e) => e.to_string(),
+        e => e.to_string(),
     }
 }
 
@@ -185,7 +220,7 @@ fn explain(what: &'static str, bus: &BusAddress, error: zbus::Error) -> ClientEr
             e => ClientError::Answer(what, e.to_string()),
         },
         zbus::Error::InputOutput(e) if e.kind() == std::io::ErrorKind::TimedOut => {
-            ClientError::Answer(what, format!("no answer within {} s", ANSWER_LIMIT.as_secs()))
+            ClientError::Answer(what, e.to_string())
         }
         zbus::Error::InputOutput(e) => ClientError::NoBus(bus.clone(), e.to_string()),
         e => ClientError::Answer(what, e.to_string()),

@@ -16,10 +16,10 @@ pub struct ServiceInfo {
     pub sensors: Vec<SensorInfo>,
     /// The method of estimation.
     pub method: &'static str,
-    /// Between two signals, s.
+    /// From one signal to the next.
     pub update: Duration,
-    /// The age of the newest frame beyond which the attitude is not shown any more, s.
-    pub overdue_s: f64,
+    /// The age of the newest frame beyond which the attitude is not shown any more.
+    pub overdue: Duration,
     /// The first line of a stream of frames.
     pub frames_header: String,
 }
@@ -59,11 +59,16 @@ impl ServiceInfo {
             head: settings.head(),
             sensors: sensors.collect(),
             method: settings.estimator.method.as_str(),
-            update: Duration::from_secs_f64(1.0 / settings.dbus.update_hz.clamp(0.1, 50.0)),
-            overdue_s: settings.faults.stale_after_s + 2.0 / settings.rate_hz.max(1.0),
+            update: seconds(1.0 / settings.dbus.update_hz),
+            overdue: seconds(settings.faults.stale_after_s + 2.0 / settings.rate_hz),
             frames_header,
         }
     }
+}
+
+/// A duration, whatever the number: a day in place of what is none.
+fn seconds(s: f64) -> Duration {
+    Duration::try_from_secs_f64(s).unwrap_or(Duration::from_secs(86_400))
 }
 
 /// What the service asks of the daemon. No method may block: they run on the service's thread.

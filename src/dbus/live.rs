@@ -6,7 +6,6 @@ use crate::fault::{ActiveFault, Evidence, FaultKind};
 use crate::state::Snapshot;
 use crate::time::Time;
 use std::sync::Arc;
-use std::time::Duration;
 
 /// What every property is read from.
 ///
@@ -31,7 +30,7 @@ impl Live {
     /// Takes in `newest` when it is a later frame; withdraws the attitude when at `now` even the
     /// newest is too old. A sampling loop that hangs cannot say so itself.
     pub fn look(&mut self, newest: &Snapshot, now: Time) {
-        let limit = self.info.overdue_s;
+        let limit = self.info.overdue.as_secs_f64();
         let age = now.since(newest.written);
         let overdue = newest.sequence > 0 && age > limit;
         let seen = (self.snapshot.sequence, self.snapshot.generation);
@@ -49,7 +48,7 @@ impl Live {
             match estimate.faults.iter_mut().find(|f| f.kind == FaultKind::Stale) {
                 Some(fault) => fault.evidence = evidence,
                 None => {
-                    let since = newest.written + Duration::from_secs_f64(limit);
+                    let since = newest.written + self.info.overdue;
                     estimate.faults.push(ActiveFault { kind: FaultKind::Stale, since, evidence });
                 }
             }

@@ -68,6 +68,12 @@ impl Bus {
         self.child = Some(child);
     }
 
+    /// Sends the bus a signal: STOP lets it hang, CONT lets it go on.
+    pub fn signal(&self, name: &str) {
+        let pid = self.child.as_ref().unwrap().id().to_string();
+        assert!(Command::new("kill").args([&format!("-{name}"), &pid]).status().unwrap().success());
+    }
+
     pub fn kill(&mut self) {
         if let Some(mut child) = self.child.take() {
             child.kill().unwrap();
@@ -205,7 +211,7 @@ pub fn info() -> ServiceInfo {
         sensors: vec![info("nose", "mlx90614", 0x5b), info("long", "ads1115", 0x48), info("down", "mlx90614", 0x5a)],
         method: "inverse-sine",
         update: Duration::from_millis(100),
-        overdue_s: 1.0,
+        overdue: Duration::from_secs(1),
         frames_header: "time_s,nose_obj_c\n".into(),
     }
 }
@@ -227,7 +233,7 @@ impl Daemon {
         let service =
             Service { bus: bus.choice(), shared: shared.clone(), taps: taps.clone(), control: control.clone() };
         let (sender, first) = sync_channel(1);
-        let thread = std::thread::spawn(move || run(&service, sender));
+        let thread = std::thread::Builder::new().name("dbus".into()).spawn(move || run(&service, sender)).unwrap();
         let first = first.recv_timeout(Duration::from_secs(6)).ok();
         Self { shared, taps, control, first, thread: Some(thread) }
     }
