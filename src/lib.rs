@@ -14,7 +14,7 @@
 //! | [`bus`], [`sensor`] | the hardware: SMBus words, lines, chips |
 //! | [`simulation`], [`recording`] | the other two sources of frames, and where frames are kept |
 //! | [`source`], [`state`], [`clock`] | the trait of the three sources, the one shared state, the one clock |
-//! | [`mavlink`] | the publishers |
+//! | [`mavlink`], [`dbus`] | the publishers |
 //! | [`config`] | what the daemon is told, validated |
 //! | [`ctl`] | the two commands |
 #![deny(unsafe_code, clippy::unwrap_used)]
@@ -24,6 +24,7 @@ pub mod bus;
 pub mod clock;
 pub mod config;
 pub mod ctl;
+pub mod dbus;
 pub mod direction;
 pub mod estimator;
 pub mod fault;

@@ -1,5 +1,7 @@
 //! `irhorizonctl`: asks the daemon questions over D-Bus, works on recordings without it.
 //!
+//! - [`client`]: the daemon asked over D-Bus;
 //! - [`view`]: what the daemon says, as a client sees it; `status --format json` is this type.
 
+pub mod client;
 pub mod view;
