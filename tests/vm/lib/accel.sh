@@ -1,0 +1,41 @@
+# shellcheck shell=bash
+# KVM or emulation. /dev/kvm may be there and useless, so a trial decides, once
+# for each running kernel.
+
+qemu_base=(
+	qemu-system-x86_64 -nodefaults -no-user-config -display none -no-reboot
+	-device virtio-serial-pci,max_ports=4
+)
+
+trial_boot() {
+	local rig=$1 state
+	state=$(mktemp)
+	timeout -k 1 15 "${qemu_base[@]}" -M q35 -accel kvm -cpu host -m 256 \
+		-kernel "$rig/vmlinuz" -initrd "$rig/initrd" \
+		-append "console=ttyS0 quiet panic=-1 irhorizon.trial" \
+		-chardev file,id=state,path="$state" -device virtserialport,nr=3,chardev=state \
+		>/dev/null 2>&1 </dev/null || true
+	grep -q up "$state"
+	local verdict=$?
+	rm -f "$state"
+	return $verdict
+}
+
+# Set qemu_accel for RIG.
+choose_accel() {
+	local rig=$1 verdict=no file
+	file=$vm_cache/kvm-$(uname -r)
+	if [ -w /dev/kvm ]; then
+		if [ ! -s "$file" ]; then
+			say "trying whether KVM works here"
+			trial_boot "$rig" && verdict=yes
+			echo "$verdict" >"$file"
+		fi
+		verdict=$(<"$file")
+	fi
+	if [ "$verdict" = yes ]; then
+		qemu_accel=(-accel kvm -cpu host)
+	else
+		qemu_accel=(-accel tcg,thread=multi -cpu "${IRHORIZON_VM_CPU:-max}")
+	fi
+}
