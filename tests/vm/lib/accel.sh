@@ -10,18 +10,18 @@ qemu_base=(
 trial_boot() {
 	local rig=$1 state
 	state=$(mktemp)
-	timeout -k 1 15 "${qemu_base[@]}" -M q35 -accel kvm -cpu host -m 256 \
+	(timeout -k 1 15 "${qemu_base[@]}" -M q35 -accel kvm -cpu host -m 256 \
 		-kernel "$rig/vmlinuz" -initrd "$rig/initrd" \
 		-append "console=ttyS0 quiet panic=-1 irhorizon.trial" \
 		-chardev file,id=state,path="$state" -device virtserialport,nr=3,chardev=state \
-		>/dev/null 2>&1 </dev/null || true
+		</dev/null || true) >/dev/null 2>&1
 	grep -q up "$state"
 	local verdict=$?
 	rm -f "$state"
 	return $verdict
 }
 
-# Set qemu_accel for RIG.
+# Set qemu_accel, QEMU's options of accelerator and processors, for RIG.
 choose_accel() {
 	local rig=$1 verdict=no file
 	file=$vm_cache/kvm-$(uname -r)
@@ -33,9 +33,20 @@ choose_accel() {
 		fi
 		verdict=$(<"$file")
 	fi
+	local cpus=2
 	if [ "$verdict" = yes ]; then
 		qemu_accel=(-accel kvm -cpu host)
 	else
-		qemu_accel=(-accel tcg,thread=multi -cpu "${IRHORIZON_VM_CPU:-max}")
+		qemu_accel=(-accel tcg,thread=multi -cpu max)
+		# Emulation before 8.1 can run stale code on the second processor when
+		# the kernel patches itself: a panic in one boot of some forty.
+		qemu_at_least 8 1 || cpus=1
 	fi
+	qemu_accel+=(-smp "${IRHORIZON_VM_CPUS:-$cpus}")
+}
+
+qemu_at_least() {
+	local version
+	version=$(qemu-system-x86_64 --version | sed -n 's/.*version \([0-9]*\)\.\([0-9]*\).*/\1 \2/p')
+	[ "${version% *}" -gt "$1" ] || { [ "${version% *}" -eq "$1" ] && [ "${version#* }" -ge "$2" ]; }
 }

@@ -10,7 +10,7 @@ write_orders() {
 	} >"$work/guest.env"
 	{
 		export -p
-		printf 'export IRHORIZON_KERNEL_TESTS=1 IRHORIZON_SHARE=%q\n' "$share"
+		printf 'export IRHORIZON_KERNEL_TESTS=1 IRHORIZON_SHARE=%q IRHORIZON_HOST=10.0.2.2\n' "$share"
 		printf 'cd %q || exit 125\n' "$PWD"
 		printf 'exec'
 		printf ' %q' "$@"
@@ -31,7 +31,7 @@ guest() {
 
 	choose_accel "$rig"
 	timeout -k 3 "$limit" "${qemu_base[@]}" -M q35 "${qemu_accel[@]}" \
-		-smp "${IRHORIZON_VM_CPUS:-2}" -m "${IRHORIZON_VM_MEMORY:-1024}" \
+		-m "${IRHORIZON_VM_MEMORY:-1024}" \
 		-kernel "$rig/vmlinuz" -initrd "$rig/initrd" \
 		-append "console=ttyS0 quiet panic=-1 oops=panic mitigations=off audit=0 apparmor=0 net.ifnames=0 irhorizon.work=$work" \
 		-serial "file:$work/console" \
