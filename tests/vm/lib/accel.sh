@@ -2,15 +2,15 @@
 # KVM or emulation. /dev/kvm may be there and useless, so a trial decides, once
 # for each running kernel.
 
-qemu_base=(
-	qemu-system-x86_64 -nodefaults -no-user-config -display none -no-reboot
-	-device virtio-serial-pci,max_ports=4
+QEMU_BASE=(
+	qemu-system-x86_64 -nodefaults -no-user-config -display none -no-reboot -M q35
+	-device "virtio-serial-pci,max_ports=4"
 )
 
 trial_boot() {
 	local rig=$1 state
 	state=$(mktemp)
-	(timeout -k 1 15 "${qemu_base[@]}" -M q35 -accel kvm -cpu host -m 256 \
+	(timeout -k 1 15 "${QEMU_BASE[@]}" -accel kvm -cpu host -m 256 \
 		-kernel "$rig/vmlinuz" -initrd "$rig/initrd" \
 		-append "console=ttyS0 quiet panic=-1 irhorizon.trial" \
 		-chardev file,id=state,path="$state" -device virtserialport,nr=3,chardev=state \
@@ -21,10 +21,10 @@ trial_boot() {
 	return $verdict
 }
 
-# Set qemu_accel, QEMU's options of accelerator and processors, for RIG.
+# Set QEMU_ACCEL, QEMU's options of accelerator and processors, for RIG.
 choose_accel() {
 	local rig=$1 verdict=no file
-	file=$vm_cache/kvm-$(uname -r)
+	file=$VM_CACHE/kvm-$(uname -r)
 	if [ -w /dev/kvm ]; then
 		if [ ! -s "$file" ]; then
 			say "trying whether KVM works here"
@@ -35,14 +35,14 @@ choose_accel() {
 	fi
 	local cpus=2
 	if [ "$verdict" = yes ]; then
-		qemu_accel=(-accel kvm -cpu host)
+		QEMU_ACCEL=(-accel kvm -cpu host)
 	else
-		qemu_accel=(-accel tcg,thread=multi -cpu max)
+		QEMU_ACCEL=(-accel "tcg,thread=multi" -cpu max)
 		# Emulation before 8.1 can run stale code on the second processor when
 		# the kernel patches itself: a panic in one boot of some forty.
 		qemu_at_least 8 1 || cpus=1
 	fi
-	qemu_accel+=(-smp "${IRHORIZON_VM_CPUS:-$cpus}")
+	QEMU_ACCEL+=(-smp "${IRHORIZON_VM_CPUS:-$cpus}")
 }
 
 qemu_at_least() {

@@ -5,8 +5,10 @@
 say() { printf 'vm: %s\n' "$*" >&2; }
 die() { printf 'vm: error: %s\n' "$*" >&2; exit 1; }
 
-vm_src=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
-vm_cache=${IRHORIZON_CACHE:-${XDG_CACHE_HOME:-${HOME:?HOME or IRHORIZON_CACHE must be set}/.cache}/irhorizon}/vm
+# shellcheck disable=SC2034 # used where this is sourced
+VM_SRC=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+# shellcheck disable=SC2034
+VM_CACHE=${IRHORIZON_CACHE:-${XDG_CACHE_HOME:-${HOME:?HOME or IRHORIZON_CACHE must be set}/.cache}/irhorizon}/vm
 
 # Run a command up to four times: mirrors and locks fail for a moment.
 retry() {

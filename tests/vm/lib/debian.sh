@@ -36,23 +36,22 @@ private_apt() {
 	retry quietly apt-get "${apt_options[@]}" update
 }
 
-# Print the concrete kernel package; with "update", ask the mirror first.
+# See to it that apt knows the kernel; with "update", ask the mirror first.
 find_kernel() {
-	if [ "${1:-}" = update ] || [ -z "$(kernel_package)" ]; then
+	if { [ "${1:-}" = update ] && [ ${#apt_options[@]} = 0 ]; } || [ -z "$(kernel_package)" ]; then
 		retry quietly as_root apt-get update || say "apt-get update failed, going on with what apt knows"
 	fi
 	if [ -z "$(kernel_package)" ]; then
 		say "this host's apt does not know $vm_metapackage; asking $vm_mirror"
-		private_apt "$vm_cache/apt" || die "cannot read Debian's package lists from $vm_mirror"
+		private_apt "$VM_CACHE/apt" || die "cannot read Debian's package lists from $vm_mirror"
 	fi
 	[ -n "$(kernel_package)" ] || die "no mirror has $vm_metapackage; name one that has in IRHORIZON_DEBIAN_MIRROR"
 }
 
-# Download packages into DIR (once; a half file is never left under its name).
+# Download packages into DIR.
 download() {
 	local dir=$1
 	shift
 	mkdir -p "$dir"
-	(cd "$dir" && retry quietly apt-get "${apt_options[@]}" download -o APT::Sandbox::User=root "$@") ||
-		die "cannot download: $*; try apt-get update, then again"
+	(cd "$dir" && retry quietly apt-get "${apt_options[@]}" download -o APT::Sandbox::User=root "$@")
 }

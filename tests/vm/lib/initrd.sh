@@ -6,8 +6,8 @@ make_initrd() {
 	mkdir -p "$tree"/{bin,modules,lower,upper,root,proc,sys,dev}
 	cp "$(command -v busybox)" "$tree/bin/busybox"
 	ln -s busybox "$tree/bin/sh"
-	cp "$vm_src/guest/init" "$tree/init"
-	cp "$vm_src/guest/main" "$tree/main"
+	cp "$VM_SRC/guest/init" "$tree/init"
+	cp "$VM_SRC/guest/main" "$tree/main"
 	chmod 755 "$tree/init"
 	# Numbered, so that init need only take them in the order of their names.
 	module_files "$rig" "$release" 9pnet_virtio 9p overlay virtio_net | while read -r file; do

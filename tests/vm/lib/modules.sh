@@ -14,14 +14,14 @@ build_module() {
 cached_module() {
 	local name=$1 kernel=$2 out=$3 release hash kept
 	release=$(<"$kernel/release")
-	hash=$(cat "$vm_src/modules/$name"/* | sha256sum | cut -c1-16)
+	hash=$(cat "$VM_SRC/modules/$name"/* | sha256sum | cut -c1-16)
 	kept=$kernel/built/$name-$hash.ko
 	if [ ! -e "$kept" ]; then
 		say "building $name"
 		local build=$kernel/build/$name
 		rm -rf "$build"
 		mkdir -p "$build" "$kernel/built"
-		cp "$vm_src/modules/$name"/* "$build"
+		cp "$VM_SRC/modules/$name"/* "$build"
 		if [ -x "$build/sources" ]; then
 			"$build/sources" "$kernel" "$build" || die "cannot make the sources of $name"
 		fi
@@ -50,7 +50,7 @@ module_tree() {
 	tree=$rig/lib/modules/$release
 	mkdir -p "$tree/kernel" "$tree/updates"
 	cp "$kernel/root/lib/modules/$release"/modules.{builtin,builtin.modinfo,order} "$tree"
-	mapfile -t names < <(sed 's/#.*//' "$vm_src/modules.list" | xargs -n1)
+	mapfile -t names < <(sed 's/#.*//' "$VM_SRC/modules.list" | xargs -n1)
 	module_files "$kernel/root" "$release" "${names[@]}" | while read -r file; do
 		xz -dc "$file" >"$tree/kernel/$(basename "$file" .xz)"
 	done

@@ -2,7 +2,7 @@
 # Host packages, by apt, and only those whose command is missing.
 
 # command=package
-vm_needs=(
+VM_NEEDS=(
 	qemu-system-x86_64=qemu-system-x86
 	busybox=busybox-static
 	modprobe=kmod
@@ -18,7 +18,7 @@ have() { PATH=$PATH:/usr/sbin:/sbin command -v "$1" >/dev/null; }
 
 missing_packages() {
 	local need
-	for need in "${vm_needs[@]}"; do
+	for need in "${VM_NEEDS[@]}"; do
 		have "${need%%=*}" || echo "${need##*=}"
 	done
 	# busybox must be the static one: it runs before there is a libc.
