@@ -96,5 +96,6 @@ explain() {
 	say "$2"
 	say "the last lines of QEMU and of the guest's console:"
 	tail -n 5 "$1/qemu" >&2 || true
+	tr -d '\r' <"$1/console" 2>/dev/null | { grep -m1 -E 'Kernel panic|BUG:|Oops' || true; } >&2
 	tr -d '\r' <"$1/console" 2>/dev/null | tail -n 30 >&2 || true
 }

@@ -48,7 +48,7 @@ install_packages() {
 	say "installing ${missing[*]}"
 	export DEBIAN_FRONTEND=noninteractive
 	quietly as_root apt-get install -y --no-install-recommends "${missing[@]}" && return
-	retry quietly as_root apt-get update
+	retry quietly as_root apt-get update || say "apt-get update failed, going on with what apt knows"
 	retry quietly as_root apt-get install -y --no-install-recommends "${missing[@]}" ||
 		die "apt could not install: ${missing[*]}"
 }

@@ -18,7 +18,7 @@
 #define EEPROM_FIRST 0x20
 #define EEPROM_LAST 0x3f
 #define EEPROM_ADDRESS 0x2e
-/* The MLX90614 takes 5 ms to erase or write a cell (datasheet, Teraz/Twrite). */
+/* An MLX90614 is busy for some ms with a cell; a driver should wait 10 ms. */
 #define EEPROM_WRITE_TIME msecs_to_jiffies(5)
 
 struct chip {
@@ -216,6 +216,8 @@ static int power_cycle(const char *value, const struct kernel_param *param)
 {
 	int i;
 
+	if (!adapter.lock_ops) /* given at load: there is no bus yet */
+		return -EINVAL;
 	i2c_lock_bus(&adapter, I2C_LOCK_ROOT_ADAPTER);
 	for (i = 0; i < chip_count; i++)
 		if (chips[i].word[EEPROM_ADDRESS] & 0x7f)
