@@ -14,6 +14,7 @@
 //! | [`bus`], [`source`] | the shell inwards: SMBus words, sources of frames |
 //! | [`config`] | what the daemon is told, validated |
 //! | [`sensor`] | chips: MLX90614, ADS1115 |
+//! | [`gpio`] | lines: data-ready edges, power switch, fault lamp |
 //! | [`recording`] | CSV recordings, live frames for whoever records |
 //! | [`ctl`] | the command that asks |
 //! | [`state`], [`clock`] | the one shared state, the one clock |
@@ -28,6 +29,7 @@ pub mod direction;
 pub mod estimator;
 pub mod fault;
 pub mod frame;
+pub mod gpio;
 pub mod head;
 pub mod recording;
 pub mod sensor;
