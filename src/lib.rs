@@ -11,7 +11,7 @@
 //! |---|---|
 //! | [`time`], [`direction`], [`frame`], [`attitude`], [`head`] | the nouns: instants, where sensors look, a scan, what is said of it |
 //! | [`sky`], [`estimator`], [`fault`], [`horizon`] | the pure core: no clock, file, socket or thread |
-//! | [`bus`], [`sensor`] | the hardware: SMBus words, lines, chips |
+//! | [`bus`], [`gpio`], [`sensor`] | the hardware: SMBus words, lines, chips |
 //! | [`simulation`], [`recording`] | the other two sources of frames, and where frames are kept |
 //! | [`source`], [`state`], [`clock`] | the trait of the three sources, the one shared state, the one clock |
 //! | [`mavlink`], [`dbus`] | the publishers |
@@ -29,6 +29,7 @@ pub mod direction;
 pub mod estimator;
 pub mod fault;
 pub mod frame;
+pub mod gpio;
 pub mod head;
 pub mod horizon;
 pub mod mavlink;
