@@ -1,6 +1,6 @@
 //! What goes wrong, in one line with the next step, and the exit codes.
 
-use super::kit::Cause;
+use super::kit::{Cause, DaemonError};
 use crate::recording::ReadError;
 use std::error::Error;
 use std::fmt::Write as _;
@@ -23,11 +23,11 @@ pub const EXIT_USAGE: u8 = 64;
 #[derive(Debug, Error)]
 pub enum CtlError {
     /// The daemon does not answer.
-    #[error("asking the daemon failed; is it running on this bus? see systemctl status irhorizond")]
-    NoDaemon(#[source] Cause),
-    /// The daemon refused a stream of frames.
-    #[error("asking the daemon for its frames failed; see journalctl -u irhorizond")]
-    NoFrames(#[source] Cause),
+    #[error("{}", chain(&**.0))]
+    NoDaemon(Cause),
+    /// The daemon refuses a stream of frames.
+    #[error("{}", chain(&**.0))]
+    NoFrames(Cause),
     /// The stream of frames ended before the user ended it.
     #[error("the daemon ended the stream of frames after {rows} rows; what was recorded until there is whole")]
     StreamEnded {
@@ -85,6 +85,15 @@ fn kept(rows: Option<u64>) -> String {
     rows.map(|n| format!("; the file ends whole after {n} rows")).unwrap_or_default()
 }
 
+impl From<DaemonError> for CtlError {
+    /// A daemon that was asked for its state and refuses it counts as none.
+    fn from(error: DaemonError) -> Self {
+        match error {
+            DaemonError::Absent(cause) | DaemonError::Refused(cause) => Self::NoDaemon(cause),
+        }
+    }
+}
+
 impl CtlError {
     /// The process's exit code.
     pub fn code(&self) -> u8 {
@@ -124,8 +133,8 @@ mod tests {
     #[test]
     fn a_chain_is_one_line_and_says_nothing_twice() {
         let source = io::Error::new(io::ErrorKind::NotFound, "no such name");
-        let line = chain(&CtlError::NoDaemon(Box::new(source)));
-        assert!(line.starts_with("asking the daemon failed; ") && line.ends_with(": no such name"), "{line}");
+        let line = chain(&CtlError::Output(source));
+        assert_eq!(line, "writing to standard output failed: no such name");
         let source = ReadError::Open { file: "a.csv".into(), source: io::Error::other("gone") };
         assert_eq!(chain(&CtlError::Read(source)).matches("gone").count(), 1);
     }

@@ -13,16 +13,25 @@ use std::path::{Path, PathBuf};
 /// Why a part could not do what it was asked; its chain of sources is shown to the user.
 pub type Cause = Box<dyn Error + Send + Sync>;
 
+/// Why the daemon gave no answer; the cause says what the user can do.
+#[derive(Debug)]
+pub enum DaemonError {
+    /// There is none on the bus, or no bus.
+    Absent(Cause),
+    /// It is there and refuses, or answers nonsense.
+    Refused(Cause),
+}
+
 /// The daemon as a client sees it. Calls are bounded in time.
 pub trait Daemon {
     /// Its state now.
-    fn status(&mut self) -> Result<Status, Cause>;
+    fn status(&mut self) -> Result<Status, DaemonError>;
 
     /// A packet socket on which it sends a recording's header and then a row for each frame.
-    fn frames(&mut self) -> Result<OwnedFd, Cause>;
+    fn frames(&mut self) -> Result<OwnedFd, DaemonError>;
 
     /// Makes it read its configuration again.
-    fn reload(&mut self) -> Result<(), Cause>;
+    fn reload(&mut self) -> Result<(), DaemonError>;
 }
 
 /// A configuration that has been read and found good.
@@ -45,7 +54,7 @@ pub type Pipeline = Box<dyn FnMut(&Frame, &mut Estimate)>;
 #[derive(Clone, Copy, Debug)]
 pub struct Kit {
     /// Speaks to the daemon on a bus.
-    pub connect: fn(&BusAddress) -> Result<Box<dyn Daemon>, Cause>,
+    pub connect: fn(&BusAddress) -> Result<Box<dyn Daemon>, DaemonError>,
     /// Reads a configuration file with its drop-ins, strictly.
     pub load: fn(&Path) -> Result<Loaded, Cause>,
     /// Reads a configuration for a replay: it may have no sensors.
@@ -61,7 +70,7 @@ pub struct Kit {
 impl Kit {
     /// The real parts. SEAM: each of these is fitted to its room when that room is there.
     pub const REAL: Self = Self {
-        connect: |_| Err("this build has no D-Bus client".into()),
+        connect: |_| Err(DaemonError::Absent("this build has no D-Bus client".into())),
         load: |_| Err("this build reads no configuration".into()),
         load_for_replay: |_| Err("this build reads no configuration".into()),
         parse: |_| Err("this build reads no configuration".into()),

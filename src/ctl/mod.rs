@@ -7,11 +7,12 @@
 //! - [`status`], [`prometheus`], [`sensors`]: the state as text.
 //! - [`watch`]: the live horizon.
 //! - [`record`], [`replay`]: recordings out of the daemon, and through its pipeline.
-//! - [`signals`]: a polite end on request.
+//! - [`name`]: a name for a recording that was given none; [`signals`]: a polite end on request.
 
 pub mod cli;
 pub mod error;
 pub mod kit;
+mod name;
 pub mod prometheus;
 pub mod record;
 pub mod replay;

@@ -2,7 +2,8 @@
 
 use super::cli::RecordArgs;
 use super::error::CtlError;
-use super::kit::Kit;
+use super::kit::{DaemonError, Kit};
+use super::name::dated_name;
 use crate::config::settings::BusAddress;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
@@ -12,7 +13,7 @@ use std::io::{self, ErrorKind, Write};
 use std::os::fd::OwnedFd;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime};
 
 /// The longest time that rows wait in memory, and that a request to end goes unheard.
 const FLUSH_EVERY: Duration = Duration::from_millis(500);
@@ -189,8 +190,10 @@ pub fn command(
         return Err(CtlError::Exists { path });
     }
     // No daemon, no empty file.
-    let mut daemon = (kit.connect)(bus).map_err(CtlError::NoDaemon)?;
-    let frames = daemon.frames().map_err(CtlError::NoFrames)?;
+    let frames = (kit.connect)(bus)?.frames().map_err(|e| match e {
+        DaemonError::Absent(cause) => CtlError::NoDaemon(cause),
+        DaemonError::Refused(cause) => CtlError::NoFrames(cause),
+    })?;
     let limit = args.seconds.map(Duration::from_secs_f64);
     let (rows, result) = if to_stdout {
         record(&frames, &mut Plain(out), limit, stop)
@@ -223,23 +226,6 @@ fn create(path: &PathBuf, force: bool) -> Result<File, CtlError> {
         ErrorKind::AlreadyExists => CtlError::Exists { path: path.clone() },
         _ => CtlError::Write { path: path.clone(), rows: None, source },
     })
-}
-
-/// `irhorizon-20261121-043000.csv`, UTC.
-fn dated_name(now: SystemTime) -> PathBuf {
-    let seconds = now.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
-    let (days, second) = (seconds / 86_400, seconds % 86_400);
-    // Years counted from March, so that the leap day comes last: 146 097 days are 400 years.
-    let day = days + 719_468;
-    let (era, of_era) = (day / 146_097, day % 146_097);
-    let year_of_era = (of_era - of_era / 1_460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let shifted = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
-    let year = era * 400 + year_of_era + u64::from(month <= 2);
-    let (h, m, s) = (second / 3_600, second / 60 % 60, second % 60);
-    PathBuf::from(format!("irhorizon-{year:04}{month:02}{day:02}-{h:02}{m:02}{s:02}.csv"))
 }
 
 #[cfg(test)]
@@ -310,16 +296,5 @@ mod tests {
         assert_eq!((rows, disk.bytes.as_slice()), (0, &b"time_s\n"[..]));
         let (_, end) = record(&fd, &mut disk, None, &AtomicBool::new(true));
         assert!(end.is_ok());
-    }
-
-    #[test]
-    fn names_carry_the_date() {
-        for (seconds, name) in [
-            (0, "irhorizon-19700101-000000.csv"),
-            (951_782_400 + 86_399, "irhorizon-20000229-235959.csv"),
-            (1_795_235_400, "irhorizon-20261121-043000.csv"),
-        ] {
-            assert_eq!(dated_name(UNIX_EPOCH + Duration::from_secs(seconds)), PathBuf::from(name));
-        }
     }
 }

@@ -69,7 +69,7 @@ fn dispatch(cli: &Cli, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> R
 }
 
 fn ask(bus: &BusAddress, kit: &Kit) -> Result<Status, CtlError> {
-    (kit.connect)(bus).and_then(|mut daemon| daemon.status()).map_err(CtlError::NoDaemon)
+    Ok((kit.connect)(bus)?.status()?)
 }
 
 fn show_status(format: StatusFormat, bus: &BusAddress, kit: &Kit, out: &mut dyn Write) -> Result<u8, CtlError> {

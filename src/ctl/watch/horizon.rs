@@ -13,6 +13,8 @@ const HALF_HEIGHT_DEG: f64 = 26.0;
 /// Eighths of a cell, filled from below and from the left.
 const FROM_BELOW: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
 const FROM_LEFT: [char; 9] = [' ', '▏', '▎', '▍', '▌', '▋', '▊', '▉', '█'];
+/// Quarters of a cell: bits for upper left, upper right, lower left, lower right.
+const QUARTERS: [char; 16] = [' ', '▘', '▝', '▀', '▖', '▌', '▞', '▛', '▗', '▚', '▐', '▜', '▄', '▙', '▟', '█'];
 /// Ground where there are no colours.
 const PLAIN_GROUND: char = '░';
 
@@ -88,13 +90,20 @@ fn cell(view: &View, column: u16, row: u16) -> (char, ratatui::style::Color, rat
         return (' ', ground, if above > 0.0 { sky } else { ground });
     }
     let eighths = |part: f64| (8.0 * part).round().clamp(0.0, 8.0) as usize;
-    if up_y.abs() >= up_x.abs() {
-        // The edge crosses from left to right: what is below it fills from below.
+    // Where the edge meets the cell's sides, its floor and its ceiling; the cell is 2 × 4 dots.
+    let at_sides = [-1.0, 1.0].map(|x| -(above + x * up_x) / up_y);
+    let at_ends = [-2.0, 2.0].map(|y| -(above + y * up_y) / up_x);
+    if at_sides.iter().all(|y| y.abs() <= 2.0) {
         let (below, over) = if up_y > 0.0 { (ground, sky) } else { (sky, ground) };
         (FROM_BELOW[eighths((2.0 - above / up_y) / 4.0)], below, over)
-    } else {
+    } else if at_ends.iter().all(|x| x.abs() <= 1.0) {
         let (left, right) = if up_x > 0.0 { (ground, sky) } else { (sky, ground) };
         (FROM_LEFT[eighths((1.0 - above / up_x) / 2.0)], left, right)
+    } else {
+        let quarters = [(-0.5, 1.0), (0.5, 1.0), (-0.5, -1.0), (0.5, -1.0)];
+        let below = |(x, y): (f64, f64)| usize::from(above + x * up_x + y * up_y < 0.0);
+        let index = quarters.iter().rev().fold(0, |bits, q| 2 * bits + below(*q));
+        (QUARTERS[index], ground, sky)
     }
 }
 

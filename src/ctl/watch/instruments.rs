@@ -7,6 +7,8 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier};
 
+/// From the aircraft's middle to its wings, cells.
+const GAP: u16 = 3;
 const SOLID: (usize, usize) = (1, 1);
 /// Below the horizon the ladder is dashed.
 const DASHED: (usize, usize) = (2, 4);
@@ -25,9 +27,9 @@ const BANK_MARKS: [(f64, f64); 9] = [
 
 /// Draws all of them over the horizon in `area`.
 pub(super) fn draw(view: &View, palette: Palette, area: Rect, buf: &mut Buffer) {
-    let radius = view.half.0.min(view.half.1) - 5.0;
+    let radius = view.half.0.min(view.half.1) - 6.0;
     let mut canvas = Canvas::new(area.width, area.height);
-    let labels = ladder(view, radius - 10.0, &mut canvas);
+    let labels = ladder(view, radius, &mut canvas);
     bank_scale(view, radius, &mut canvas);
     lay(&canvas, Palette::WHITE, view, palette, area, buf);
     let mut canvas = Canvas::new(area.width, area.height);
@@ -47,8 +49,10 @@ fn ladder(view: &View, radius: f64, canvas: &mut Canvas) -> Vec<((f64, f64), Str
     for pitch in (-90_i32..=90).step_by(5).filter(|p| *p != 0) {
         let major = pitch % 10 == 0;
         let rise = (f64::from(pitch) - view.pitch_deg) / view.deg_per_dot;
-        let length = radius * if major { 0.36 } else { 0.16 };
-        if rise.hypot(length) > radius {
+        let length = radius * if major { 0.26 } else { 0.12 };
+        // The pointer is always on the side of the sky.
+        let limit = if rise > 0.0 { radius - 12.0 } else { radius - 3.0 };
+        if rise.hypot(length) > limit {
             continue;
         }
         let at = |r: f64| (rise * up.0 + r * along.0, rise * up.1 + r * along.1);
@@ -85,9 +89,10 @@ fn bank_scale(view: &View, radius: f64, canvas: &mut Canvas) {
 /// The triangle below the arc that points to the zenith.
 fn pointer(view: &View, radius: f64, canvas: &mut Canvas) {
     let (up, along) = (view.up, (view.up.1, -view.up.0));
-    for step in 0..=14 {
+    for step in 0..=18 {
         let step = f64::from(step) / 2.0;
-        let (r, half) = (radius - 1.5 - step, step * 0.6);
+        // Slender, so that it is seen which of its corners points.
+        let (r, half) = (radius - 1.5 - step, step * 0.36);
         let at = |s: f64| (r * up.0 + s * along.0, r * up.1 + s * along.1);
         canvas.line(at(-half), at(half), SOLID);
     }
@@ -123,6 +128,11 @@ fn put(
 fn label((x, y): (f64, f64), text: &str, view: &View, palette: Palette, area: Rect, buf: &mut Buffer) {
     let row = ((view.half.1 - y) / 4.0).floor() as i32;
     let first = ((x + view.half.0) / 2.0 - text.len() as f64 / 2.0).round() as i32;
+    // Half a number under a wing would be another number.
+    let (middle, reach) = (i32::from(area.width / 2), i32::from(GAP + wing(area)) + 2);
+    if row == i32::from(area.height / 2) && (first - middle).abs() <= reach {
+        return;
+    }
     for (i, symbol) in text.chars().enumerate() {
         if let (Ok(column), Ok(row)) = (u16::try_from(first + i as i32), u16::try_from(row)) {
             put(symbol, Palette::WHITE, (column, row), view, palette, area, buf);
@@ -130,11 +140,15 @@ fn label((x, y): (f64, f64), text: &str, view: &View, palette: Palette, area: Re
     }
 }
 
+/// The length of a wing, cells.
+fn wing(area: Rect) -> u16 {
+    (area.width / 8).clamp(2, 8)
+}
+
 /// The aircraft seen from behind; it stands still in the middle.
 fn aircraft(view: &View, palette: Palette, area: Rect, buf: &mut Buffer) {
     let (middle, row) = (area.width / 2, area.height / 2);
-    let wing = (area.width / 8).clamp(2, 8);
-    let gap = 3;
+    let (wing, gap) = (wing(area), GAP);
     for side in [-1_i32, 1] {
         for i in 0..=wing {
             let column = i32::from(middle) + side * i32::from(gap + i);

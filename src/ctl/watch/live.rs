@@ -10,7 +10,7 @@ use super::print;
 use crate::config::settings::BusAddress;
 use crate::ctl::cli::WatchArgs;
 use crate::ctl::error::{CtlError, chain};
-use crate::ctl::kit::{Cause, Daemon, Kit};
+use crate::ctl::kit::{Daemon, DaemonError, Kit};
 use crate::ctl::view::Status;
 use ratatui::DefaultTerminal;
 use ratatui::buffer::Buffer;
@@ -76,10 +76,10 @@ fn json(
                 }
                 thread::sleep(ASK_EVERY);
             }
-            Err(cause) if once => return Err(CtlError::NoDaemon(cause)),
-            Err(cause) => {
+            Err(e) if once => return Err(e.into()),
+            Err(e) => {
                 if !silent {
-                    let _ = writeln!(err, "no daemon, trying again: {}", chain(cause.as_ref()));
+                    let _ = writeln!(err, "no daemon, trying again: {}", chain(&CtlError::from(e)));
                 }
                 silent = true;
                 thread::sleep(RETRY_AFTER);
@@ -91,7 +91,7 @@ fn json(
 
 /// One picture.
 fn once(size: Option<(u16, u16)>, bus: &BusAddress, kit: &Kit, out: &mut dyn Write) -> Result<(), CtlError> {
-    let status = Link::new(bus.clone(), *kit).ask().map_err(CtlError::NoDaemon)?;
+    let status = Link::new(bus.clone(), *kit).ask()?;
     let (width, height) = size.or_else(|| terminal::size().ok()).unwrap_or(DEFAULT_SIZE);
     let palette = Palette { colours: io::stdout().is_terminal() && colours_wanted() };
     let mut buf = Buffer::empty(Rect::new(0, 0, width, height));
@@ -168,7 +168,7 @@ impl Link {
         Self { bus, kit, daemon: None }
     }
 
-    fn ask(&mut self) -> Result<Status, Cause> {
+    fn ask(&mut self) -> Result<Status, DaemonError> {
         let daemon = match &mut self.daemon {
             Some(daemon) => daemon,
             none => none.insert((self.kit.connect)(&self.bus)?),
@@ -194,7 +194,7 @@ struct State {
 impl Latest {
     fn keep_asking(&self, mut link: Link) {
         loop {
-            let answer = link.ask().map_err(|cause| chain(cause.as_ref()));
+            let answer = link.ask().map_err(|e| chain(&CtlError::from(e)));
             let pause = if answer.is_ok() { ASK_EVERY } else { RETRY_AFTER };
             self.take(answer, Instant::now());
             thread::sleep(pause);
