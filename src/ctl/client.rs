@@ -1,11 +1,11 @@
 //! The daemon asked over D-Bus. Every call blocks, for 3 s at most; a reload for 12 s.
 
-use super::view::{Endpoint, Fault, Sensor, Status};
+use super::answer;
+use super::view::Status;
 use crate::clock;
 use crate::config::settings::BusAddress;
 use crate::dbus::bus::{builder, place};
-use crate::dbus::{CONTROL, ERROR_BUSY, ERROR_CONFIG, HORIZON, NAME, PATH, SENSOR, STREAM};
-use crate::time::Time;
+use crate::dbus::{CONTROL, ERROR_BUSY, ERROR_CONFIG, HORIZON, NAME, PATH, STREAM};
 use rustix::net::{RecvFlags, recv};
 use std::collections::HashMap;
 use std::fmt;
@@ -107,7 +107,7 @@ impl Client {
         let wrong = |e: zbus::Error| ClientError::Answer(WHAT, e.to_string());
         let horizon: HashMap<String, OwnedVariant> = horizon.body().deserialize().map_err(wrong)?;
         let objects: ManagedObjects = objects.body().deserialize().map_err(wrong)?;
-        status(Properties(WHAT, horizon), objects, clock::now())
+        answer::status(WHAT, horizon, objects, clock::now())
     }
 
     /// The state again and again, a `period` apart; errors do not end it, a daemon that comes back
@@ -225,82 +225,6 @@ fn explain(what: &'static str, bus: &BusAddress, error: zbus::Error) -> ClientEr
         zbus::Error::InputOutput(e) => ClientError::NoBus(bus.clone(), e.to_string()),
         e => ClientError::Answer(what, e.to_string()),
     }
-}
-
-/// An object's properties, and what was asked for them.
-struct Properties(&'static str, HashMap<String, OwnedVariant>);
-
-impl Properties {
-    fn take<T>(&mut self, name: &str) -> Result<T, ClientError>
-    where
-        T: TryFrom<OwnedVariant, Error = zbus::Error>,
-    {
-        let value = self.1.remove(name).ok_or_else(|| ClientError::Answer(self.0, format!("no property {name}")))?;
-        T::try_from(value).map_err(|e| ClientError::Answer(self.0, format!("property {name}: {e}")))
-    }
-
-    /// A number; NaN is none.
-    fn number(&mut self, name: &str) -> Result<Option<f64>, ClientError> {
-        Ok(Some(self.take(name)?).filter(|v: &f64| !v.is_nan()))
-    }
-}
-
-fn status(mut p: Properties, objects: ManagedObjects, now: Time) -> Result<Status, ClientError> {
-    let faults: Vec<(String, u64, String)> = p.take("FaultDetails")?;
-    let endpoints: Vec<(String, u64, u64, String)> = p.take("Endpoints")?;
-    let age_s = |usec: u64| now.since(Time::from_nanos(usec.saturating_mul(1_000)));
-    let sample_time_usec = p.take("SampleTimeUsec")?;
-    let mut sensors = Vec::new();
-    for mut interfaces in objects.into_values() {
-        if let Some(properties) = interfaces.remove(SENSOR) {
-            sensors.push(sensor(Properties(p.0, properties))?);
-        }
-    }
-    sensors.sort_by_key(|(index, _)| *index);
-    Ok(Status {
-        version: p.take("Version")?,
-        method: p.take("Method")?,
-        mode: p.take("Mode")?,
-        roll_deg: p.number("RollDeg")?,
-        pitch_deg: p.number("PitchDeg")?,
-        roll_sigma_deg: p.number("RollSigmaDeg")?,
-        pitch_sigma_deg: p.number("PitchSigmaDeg")?,
-        contrast_c: p.number("ContrastC")?,
-        sample_time_usec,
-        sample_age_s: if sample_time_usec == 0 { f64::NAN } else { age_s(sample_time_usec) },
-        rate_hz: p.take("RateHz")?,
-        faults: faults
-            .into_iter()
-            .map(|(name, since, evidence)| Fault { name, for_s: age_s(since), evidence })
-            .collect(),
-        sensors: sensors.into_iter().map(|(_, sensor)| sensor).collect(),
-        endpoints: endpoints
-            .into_iter()
-            .map(|(address, sent, failed, last_error)| Endpoint { address, sent, failed, last_error })
-            .collect(),
-    })
-}
-
-/// A sensor with its place in the configuration.
-fn sensor(mut p: Properties) -> Result<(u32, Sensor), ClientError> {
-    let index = p.take("Index")?;
-    let sensor = Sensor {
-        name: p.take("Name")?,
-        kind: p.take("Kind")?,
-        bus: p.take("Bus")?,
-        address: p.take("Address")?,
-        direction: p.take("Direction")?,
-        state: p.take("State")?,
-        object_c: p.number("ObjectC")?,
-        ambient_c: p.number("AmbientC")?,
-        volts: p.number("Volts")?,
-        integrity: p.take("Integrity")?,
-        settling_s: p.take("SettlingS")?,
-        emissivity: p.number("Emissivity")?,
-        identity: p.take("Identity")?,
-        counters: p.take("Counters")?,
-    };
-    Ok((index, sensor))
 }
 
 /// A stream of frames: a header line, then a CSV line for each frame.

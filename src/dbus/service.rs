@@ -107,6 +107,8 @@ impl Serving<'_> {
         let mut told = None;
         let mut attempts = 0_u32;
         while !self.stopping() {
+            // Read before the information: a reload from here on is not missed.
+            let generation = self.service.shared.lock().generation;
             let live = Arc::new(Mutex::new(Live::new(self.service.control.info())));
             attempts = attempts.saturating_add(1);
             match self.connect(&live).await {
@@ -116,7 +118,7 @@ impl Serving<'_> {
                     }
                     report(Ok(()));
                     (backoff, told) = (BACKOFF_FIRST, None);
-                    self.publish(&connection, &live).await;
+                    self.publish(&connection, &live, generation).await;
                     if self.stopping() {
                         let _ = connection.close().await;
                         return;
@@ -178,10 +180,9 @@ impl Serving<'_> {
     }
 
     /// Signals what changes, until the bus is gone or the daemon stops.
-    async fn publish(&self, connection: &Connection, live: &SharedLive) {
+    async fn publish(&self, connection: &Connection, live: &SharedLive, mut generation: u64) {
         let horizon = Horizon { live: live.clone(), control: self.service.control.clone() };
         let mut sent = Signalled::default();
-        let mut generation = self.service.shared.lock().generation;
         while !connection.is_closed() {
             let (stopping, newest) = {
                 let newest = self.service.shared.lock();

@@ -154,7 +154,7 @@ pub struct Monitor {
 impl Monitor {
     /// The changed properties of every signal seen.
     pub fn stop(mut self) -> Vec<serde_json::Map<String, serde_json::Value>> {
-        std::thread::sleep(Duration::from_millis(50));
+        std::thread::sleep(Duration::from_millis(300));
         self.child.kill().unwrap();
         let lines = BufReader::new(self.child.stdout.take().unwrap()).lines();
         let signals = lines.map(|l| serde_json::from_str::<serde_json::Value>(&l.unwrap()).unwrap());
@@ -172,10 +172,12 @@ impl Monitor {
 pub struct Fake {
     pub info: Mutex<Arc<ServiceInfo>>,
     pub reload: Mutex<Result<(), String>>,
+    asked: AtomicU32,
 }
 
 impl Control for Fake {
     fn info(&self) -> Arc<ServiceInfo> {
+        self.asked.fetch_add(1, Ordering::SeqCst);
         self.info.lock().unwrap().clone()
     }
 
@@ -229,7 +231,8 @@ impl Daemon {
     pub fn start(bus: &Bus) -> Self {
         let shared = Arc::new(Shared::default());
         let taps = Arc::new(Taps::default());
-        let control = Arc::new(Fake { info: Mutex::new(Arc::new(info())), reload: Mutex::new(Ok(())) });
+        let (info, reload) = (Mutex::new(Arc::new(info())), Mutex::new(Ok(())));
+        let control = Arc::new(Fake { info, reload, asked: AtomicU32::new(0) });
         let service =
             Service { bus: bus.choice(), shared: shared.clone(), taps: taps.clone(), control: control.clone() };
         let (sender, first) = sync_channel(1);
@@ -238,17 +241,22 @@ impl Daemon {
         Self { shared, taps, control, first, thread: Some(thread) }
     }
 
-    /// The next frame, written now.
+    /// The next frame, written now; waits until the service has seen it.
     pub fn frame(&self, change: impl FnOnce(&mut Snapshot)) {
+        let asked = self.control.asked.load(Ordering::SeqCst);
         self.shared.update(|s| {
             s.sequence += 1;
+            // Has the service ask for the information again once it has taken this frame in.
+            s.generation += 1;
             s.written = clock::now();
             s.frame.readings.resize(3, Err(frame::Missing::NotYet));
             s.health.resize(3, Default::default());
             change(s);
         });
-        // A look of the service at the state.
-        std::thread::sleep(Duration::from_millis(60));
+        let start = Instant::now();
+        while self.control.asked.load(Ordering::SeqCst) == asked && start.elapsed() < Duration::from_secs(3) {
+            std::thread::sleep(Duration::from_millis(2));
+        }
     }
 
     /// How long the thread took to end.
