@@ -16,7 +16,7 @@
 //! | [`source`], [`state`], [`clock`] | the trait of the three sources, the one shared state, the one clock |
 //! | [`mavlink`], [`dbus`] | the publishers |
 //! | [`config`] | what the daemon is told, validated |
-//! | [`ctl`] | the two commands |
+//! | [`daemon`], [`ctl`] | the two commands |
 #![deny(unsafe_code, clippy::unwrap_used)]
 
 pub mod attitude;
@@ -24,6 +24,7 @@ pub mod bus;
 pub mod clock;
 pub mod config;
 pub mod ctl;
+pub mod daemon;
 pub mod dbus;
 pub mod direction;
 pub mod estimator;
