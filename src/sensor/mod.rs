@@ -2,6 +2,10 @@
 //!
 //! A [`Chip`] is one address on one bus with one or more of the head's sensors behind it. The
 //! hardware source walks over the chips along its schedule.
+//!
+//! - [`ads1115`]: an ADC for amplified pairs.
+
+pub mod ads1115;
 
 use crate::bus::BusError;
 use crate::frame::Reading;
