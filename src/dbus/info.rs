@@ -42,22 +42,30 @@ pub struct SensorInfo {
 impl ServiceInfo {
     /// What the service says of these settings; a stream of frames begins with `frames_header`.
     pub fn new(settings: &Settings, frames_header: String) -> Self {
-        let simulated = settings.simulation.is_some();
-        let sensors = settings.sensors.iter().map(|s| {
-            let direction = s.direction.to_string();
-            if simulated {
-                return SensorInfo { name: s.name.clone(), kind: "simulated", direction, ..SensorInfo::default() };
-            }
-            let kind = match s.device {
+        let head = settings.head();
+        let sensors = head.sensors.iter().enumerate().map(|(i, sensor)| {
+            let (name, direction) = (sensor.name.clone(), sensor.direction.to_string());
+            // A simulated head need not be configured.
+            let Some(device) = settings.sensors.get(i).map(|s| &s.device).filter(|_| settings.simulation.is_none())
+            else {
+                return SensorInfo { name, kind: "simulated", direction, ..SensorInfo::default() };
+            };
+            let kind = match device {
                 DeviceSettings::Mlx90614(_) => "mlx90614",
                 DeviceSettings::Ads1115(_) => "ads1115",
             };
-            let bus = s.device.bus().to_string_lossy().into_owned();
-            SensorInfo { name: s.name.clone(), kind, bus, address: s.device.address(), direction }
+            SensorInfo {
+                name,
+                kind,
+                bus: device.bus().to_string_lossy().into_owned(),
+                address: device.address(),
+                direction,
+            }
         });
+        let sensors = sensors.collect();
         Self {
-            head: settings.head(),
-            sensors: sensors.collect(),
+            head,
+            sensors,
             method: settings.estimator.method.as_str(),
             update: seconds(1.0 / settings.dbus.update_hz),
             overdue: seconds(settings.faults.stale_after_s + 2.0 / settings.rate_hz),
