@@ -2,6 +2,10 @@
 //!
 //! A [`Chip`] is one address on one bus with one or more of the head's sensors behind it. The
 //! hardware source walks over the chips along its schedule.
+//!
+//! - [`mlx90614`]: the digital thermopile.
+
+pub mod mlx90614;
 
 use crate::bus::BusError;
 use crate::frame::Reading;
@@ -22,6 +26,10 @@ pub trait Chip: Send {
     /// Reads sensor `slot` (0 for the chip's first). One bounded attempt: trying again is the
     /// caller's decision. The reading is stamped with the end of the transfer that succeeded.
     fn read(&mut self, slot: usize) -> Reading;
+
+    /// Does what is done rarely, at most one transfer: an MLX90614 reads its die temperature.
+    /// Called at the end of a scan, of one chip at most, and of each about once a second.
+    fn housekeep(&mut self) {}
 
     /// What is known of sensor `slot`.
     fn health(&self, slot: usize) -> SensorHealth;
