@@ -4,8 +4,10 @@
 //! hardware source walks over the chips along its schedule.
 //!
 //! - [`mlx90614`]: the digital thermopile.
+//! - [`schedule`]: when in a scan each sensor is read.
 
 pub mod mlx90614;
+pub mod schedule;
 
 use crate::bus::BusError;
 use crate::frame::Reading;
