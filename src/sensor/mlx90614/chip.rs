@@ -120,14 +120,15 @@ impl Mlx90614Chip {
     /// The PEC never matched: says whether it is the words that are damaged or the code alone.
     fn blame_pec(&mut self, chip: &mut Mlx90614<Box<dyn PecBus>>) {
         let words = chip.bus().set_pec(false).map(|()| [(); TRIES].map(|()| chip.configuration()));
-        if let Ok(words) = words
-            && words[0].is_ok()
-            && words.iter().all(|w| *w == words[0])
-        {
-            let text = "not used: its PEC never matches, though its words are steady without; this part or adapter \
-                        sends a wrong PEC: set pec = \"off\" for this sensor to read it unchecked";
-            self.say(log::Level::Warn, text.to_owned());
-        }
+        let steady = words.is_ok_and(|w| w[0].is_ok() && w.iter().all(|word| *word == w[0]));
+        let text = if steady {
+            "not used: its PEC never matches, though its words are steady without; this part or adapter sends a wrong \
+             PEC: set pec = \"off\" for this sensor to read it unchecked"
+        } else {
+            "not used: its words arrive damaged (PEC mismatch); check the wiring, the pull-ups and that the bus runs at \
+             100 kHz or less"
+        };
+        self.say(log::Level::Warn, text.to_owned());
     }
 
     /// The last die temperature, unless it is too old.
@@ -333,7 +334,7 @@ mod tests {
         let (wire, mut chip) = sensor(PecPolicy::Auto);
         set(&wire, |w| w.noise = true);
         assert_eq!(chip.open(), Err(BusError::Pec));
-        assert_eq!(chip.said, "");
+        assert!(chip.said.contains("damaged"), "{}", chip.said);
     }
 
     #[test]
