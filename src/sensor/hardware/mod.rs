@@ -1,6 +1,7 @@
 //! The hardware as a source of frames: one thread walks over the chips along the schedule.
 //!
 //! - `fit`: the source from the configuration.
+//! - `upkeep`: what a scan does besides reading.
 //!
 //! A scan never waits for a chip longer than its transfers may take: what fails is tried once more
 //! in its slot and is missing then. What to do about chips, buses and power lines that go on
@@ -9,11 +10,12 @@
 mod fit;
 #[cfg(test)]
 mod tests;
+mod upkeep;
 
 pub use fit::{OpenError, Parts};
 
 use super::Chip;
-use super::power::{PowerCycle, PowerSwitch, Step};
+use super::power::{PowerCycle, PowerSwitch};
 use super::recovery::{BusWatch, Link, Turn};
 use super::schedule::{Schedule, Slot};
 use crate::bus::BusError;
@@ -23,12 +25,6 @@ use crate::frame::{Frame, Missing, Reading};
 use crate::source::{FrameSource, SensorHealth};
 use crate::time::Time;
 use std::path::Path;
-use std::time::Duration;
-
-/// How often a bus's device file is looked for.
-const LOOK: Duration = Duration::from_millis(200);
-/// How often each chip does its housekeeping.
-const HOUSEKEEPING: Duration = Duration::from_secs(1);
 
 /// A chip with what the source must know of it.
 pub struct Fitted {
@@ -153,75 +149,6 @@ impl HardwareSource {
         (self.system.now)()
     }
 
-    /// Looks for each bus's device file. An adapter can only be removed once nobody holds its file
-    /// open, and its file vanishes before: then every chip on it is closed.
-    fn look_for_buses(&mut self) {
-        let now = self.now();
-        for (index, bus) in self.buses.iter_mut().enumerate() {
-            if now < bus.next_look {
-                continue;
-            }
-            bus.next_look = now + LOOK;
-            let path = self.schedule.buses()[index].as_str();
-            let there = (self.system.exists)(path);
-            let first = bus.told == Some(Missing::NotYet);
-            if !bus.watch.seen(there) && !first {
-                continue;
-            }
-            bus.told = (!there).then_some(Missing::BusGone);
-            let chips = self.members.iter_mut().filter(|m| m.bus == index);
-            if there {
-                if !first {
-                    log::info!("{path} is back");
-                }
-                (self.system.announce)(path);
-                chips.for_each(|m| m.link.closed(Missing::NotYet, now));
-            } else {
-                let mut said = false;
-                for m in chips {
-                    if !std::mem::replace(&mut said, true) {
-                        let facts = Facts::gather(Path::new("/"), &m.fitted.place.bus, m.fitted.place.address);
-                        log::warn!("{}", explain(&m.fitted.place, BusError::Gone, &facts));
-                    }
-                    m.fitted.chip.close();
-                    m.link.closed(Missing::BusGone, now);
-                    m.told = None;
-                }
-            }
-        }
-    }
-
-    fn step_power(&mut self) {
-        let now = self.now();
-        for (index, line) in self.lines.iter_mut().enumerate() {
-            let chips = || self.members.iter().filter(|m| m.fitted.power == Some(index));
-            let silent_since = chips().filter_map(|m| m.link.silent_since()).min();
-            let step = line.cycle.step(now, silent_since);
-            if step == Step::Nothing {
-                continue;
-            }
-            let on = match step {
-                Step::SwitchOff => {
-                    let names: Vec<&str> = chips().map(|m| m.fitted.place.name.as_str()).collect();
-                    log::warn!("power-cycling {}: no answer", names.join(", "));
-                    Some(false)
-                }
-                Step::SwitchOn => Some(true),
-                _ => None,
-            };
-            if let Some(on) = on
-                && let Err(e) = line.switch.set(on)
-            {
-                log::error!("switching the sensors' supply {}: {e}", if on { "on" } else { "off" });
-            }
-            for m in self.members.iter_mut().filter(|m| m.fitted.power == Some(index)) {
-                m.fitted.chip.close();
-                m.link.closed(Missing::PoweredOff, now);
-                m.power_cycles += u64::from(step == Step::SwitchOff);
-            }
-        }
-    }
-
     fn begin(&mut self) {
         for m in &mut self.members {
             let bus = &self.buses[m.bus].watch;
@@ -321,40 +248,6 @@ impl HardwareSource {
                 m.told = Some(why);
             }
             _ => {}
-        }
-    }
-
-    /// Lets the chip whose housekeeping is due for the longest time do it.
-    fn housekeep(&mut self, tick: Time) {
-        let Some(offset) = self.schedule.housekeeping else { return };
-        let now = self.now();
-        let Some(m) = self.members.iter_mut().min_by_key(|m| if m.link.is_well() { m.housekept } else { now }) else {
-            return;
-        };
-        if now < m.housekept + HOUSEKEEPING || !m.link.is_well() || now > self.deadline {
-            return;
-        }
-        if self.buses[m.bus].watch.admits(m.number, now).is_err() {
-            return;
-        }
-        if !self.schedule.quiet.is_zero() {
-            (self.system.sleep_until)(tick + offset);
-        }
-        m.fitted.chip.housekeep();
-        m.housekept = now;
-    }
-
-    fn refresh_health(&mut self) {
-        for slot in &self.schedule.slots {
-            let m = &self.members[slot.chip];
-            let mut health = m.fitted.chip.health(slot.slot);
-            health.counters.retries = self.retries[slot.sensor];
-            health.counters.reopened = m.opened.saturating_sub(1);
-            health.counters.power_cycles = m.power_cycles;
-            self.health[slot.sensor] = health;
-        }
-        for (down, bus) in self.down.iter_mut().zip(&self.buses) {
-            *down = bus.watch.down();
         }
     }
 }

@@ -4,6 +4,7 @@ use crate::sensor::power::PowerError;
 use crate::sensor::schedule::ChipPlan;
 use std::cell::Cell;
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 thread_local! {
     static NOW: Cell<u64> = const { Cell::new(1_000_000_000) };
