@@ -10,27 +10,34 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`time`], [`direction`], [`frame`], [`attitude`], [`head`] | the nouns: instants, where sensors look, a scan, what is said of it |
-//! | [`estimator`], [`fault`] | the pure core: no clock, file, socket or thread |
-//! | [`bus`], [`source`] | the shell inwards: SMBus words, sources of frames |
+//! | [`sky`], [`estimator`], [`fault`], [`horizon`] | the pure core: no clock, file, socket or thread |
+//! | [`bus`], [`gpio`], [`sensor`] | the hardware: SMBus words, lines, chips |
+//! | [`simulation`], [`recording`] | the other two sources of frames, and where frames are kept |
+//! | [`source`], [`state`], [`clock`] | the trait of the three sources, the one shared state, the one clock |
+//! | [`mavlink`], [`dbus`] | the publishers |
 //! | [`config`] | what the daemon is told, validated |
-//! | [`sensor`] | chips: MLX90614, ADS1115 |
-//! | [`recording`] | CSV recordings, live frames for whoever records |
-//! | [`ctl`] | the command that asks |
-//! | [`state`], [`clock`] | the one shared state, the one clock |
-#![deny(unsafe_code)]
+//! | [`daemon`], [`ctl`] | the two commands |
+#![deny(unsafe_code, clippy::unwrap_used)]
 
 pub mod attitude;
 pub mod bus;
 pub mod clock;
 pub mod config;
 pub mod ctl;
+pub mod daemon;
+pub mod dbus;
 pub mod direction;
 pub mod estimator;
 pub mod fault;
 pub mod frame;
+pub mod gpio;
 pub mod head;
+pub mod horizon;
+pub mod mavlink;
 pub mod recording;
 pub mod sensor;
+pub mod simulation;
+pub mod sky;
 pub mod source;
 pub mod state;
 pub mod time;

@@ -1,3 +1,8 @@
 //! The irhorizonctl binary: a shim over the library.
 
-fn main() {}
+use irhorizon::ctl::{kit::Kit, main as run};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    run(&Kit::REAL)
+}

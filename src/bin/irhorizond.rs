@@ -1,3 +1,7 @@
 //! The irhorizond binary: a shim over the library.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    irhorizon::daemon::main()
+}

@@ -1,7 +1,96 @@
 //! Configuration in three steps: raw files, merged with their drop-ins, validated.
 //!
-//! - [`settings`]: what comes out at the end, every value in range.
+//! - `file`, `source`: reading the files, bounded; their text and places in it.
+//! - `raw`: a file's TOML with the place of every key and value.
+//! - `merge`: drop-ins laid upon the file.
+//! - `section`, `validate`, `sensor`, `endpoint`, `check`, `axes`: the settings out of the tables, every
+//!   mistake noted; `nearest`: what was probably meant.
+//! - `error`: mistakes as the user reads them.
+//! - [`settings`]: what comes out at the end, every value in range; `default`: what holds unsaid.
+//! - `show`: settings written out again; `change`: what differs between two.
 
+mod axes;
+mod change;
+mod check;
+mod default;
+mod endpoint;
+mod error;
+mod file;
+mod merge;
+mod nearest;
+mod raw;
+mod section;
+mod sensor;
 pub mod settings;
+mod show;
+mod source;
+mod validate;
 
+pub use change::{Change, changes};
+pub use error::{ConfigError, ConfigErrors};
 pub use settings::Settings;
+
+use source::{Place, Source};
+use std::path::{Path, PathBuf};
+
+/// A configuration that is right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loaded {
+    /// What it says.
+    pub settings: Settings,
+    /// The files it came from: the configuration, then its drop-ins.
+    pub files: Vec<PathBuf>,
+    /// What is allowed but hardly meant, a sentence each.
+    pub warnings: Vec<String>,
+    /// All of it as TOML, defaults and drop-ins included; reading it gives the same settings.
+    pub text: String,
+}
+
+/// Loads `path` and its drop-ins `<path>.d/*.toml`. The errors are all there are.
+pub fn load(path: &Path) -> Result<Loaded, ConfigErrors> {
+    build(&file::read_all(path)?, true)
+}
+
+/// Loads `path` for the replay of a recording: one without any `[[sensor]]` is right as well, and
+/// means the six named ones.
+pub fn load_for_replay(path: &Path) -> Result<Loaded, ConfigErrors> {
+    build(&file::read_all(path)?, false)
+}
+
+/// What [`load`] does, given the files' names and texts: the configuration first, then its drop-ins.
+pub fn parse(files: &[(PathBuf, String)]) -> Result<Loaded, ConfigErrors> {
+    let sources: Vec<Source> =
+        files.iter().map(|(name, text)| Source { name: name.clone(), text: text.clone() }).collect();
+    build(&sources, true)
+}
+
+fn build(sources: &[Source], needs_sensors: bool) -> Result<Loaded, ConfigErrors> {
+    let mut found = Vec::new();
+    let mut root = raw::Table::new();
+    for (i, source) in sources.iter().enumerate() {
+        merge::merge(&mut root, raw::parse(source, i, &mut found));
+    }
+    error::check(found, sources)?;
+
+    let findings = section::Findings::new(sources);
+    let (settings, sensors) = validate::validate(&root, &findings);
+    if needs_sensors && sensors.complete && sensors.good.is_empty() && settings.simulation.is_none() {
+        findings.add(
+            Place::whole(0),
+            format!(
+                "no sensor is configured: add a [[sensor]] for each (the example {} has six), or try without any: \
+                 enabled = true under [simulation]",
+                file::EXAMPLE
+            ),
+        );
+    }
+    let lamp = raw::place(&root, &["faults", "lamp"]).unwrap_or_default();
+    check::check(&settings, &sensors, lamp, &findings);
+    if sensors.complete && !sensors.good.is_empty() {
+        axes::check(&settings, &sensors, &findings);
+    }
+    error::check(findings.finish(), sources)?;
+    let files = sources.iter().map(|s| s.name.clone()).collect();
+    let warnings = check::warnings(&settings);
+    Ok(Loaded { text: show::show(&settings), settings, files, warnings })
+}

@@ -11,9 +11,10 @@ use std::time::Duration;
 pub struct Settings {
     /// Scans a second, 1 to 200.
     pub rate_hz: f64,
-    /// The quiet time left on a bus before each read, 0 to 50 ms (`[daemon] quiet-ms`).
+    /// The quiet time left on a bus before each read, 0 to 20 ms (`[daemon] quiet-ms`).
     pub quiet: Duration,
-    /// The sensors, each name once, no two in one place.
+    /// The sensors, each name once, no two in one place; none means the six named ones (simulation
+    /// and replay).
     pub sensors: Vec<SensorSettings>,
     /// How the head sits on the airframe.
     pub head: HeadSettings,
@@ -32,6 +33,9 @@ pub struct Settings {
 impl Settings {
     /// The head that these sensors make, with the buses in order of first mention.
     pub fn head(&self) -> Head {
+        if self.sensors.is_empty() {
+            return Head::six();
+        }
         let mut buses: Vec<String> = Vec::new();
         let sensors = self
             .sensors

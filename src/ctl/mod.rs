@@ -1,5 +1,29 @@
 //! `irhorizonctl`: asks the daemon questions over D-Bus, works on recordings without it.
 //!
+//! - [`client`]: the daemon asked over D-Bus; `answer`: its answers read;
 //! - [`view`]: what the daemon says, as a client sees it; `status --format json` is this type.
+//! - [`cli`]: the words of the command line; [`run`] does what they say.
+//! - [`kit`]: what the commands are given: the daemon, the configuration, the pipeline.
+//! - [`error`]: what goes wrong, and the exit codes.
+//! - [`status`], [`prometheus`], [`sensors`]: the state as text.
+//! - [`watch`]: the live horizon.
+//! - [`record`], [`replay`]: recordings out of the daemon, and through its pipeline.
+//! - [`name`]: a name for a recording that was given none; [`signals`]: a polite end on request.
 
+mod answer;
+pub mod cli;
+pub mod client;
+pub mod error;
+pub mod kit;
+mod name;
+pub mod prometheus;
+pub mod record;
+pub mod replay;
+mod run;
+pub mod sensors;
+mod signals;
+pub mod status;
 pub mod view;
+pub mod watch;
+
+pub use run::{main, run};

@@ -1,8 +1,16 @@
 //! From frames to attitude. Pure: time comes with the frame; the same frames give the same bytes.
 //!
-//! - [`inverse_sine`]: the report's scheme (section IV.B), the baseline of every comparison.
+//! - [`inverse_sine`]: the report's scheme (section IV.B), the baseline of every comparison;
+//! - [`contrast_vector`]: pairs in any direction, solved for one vector;
+//! - [`range`]: the low-pass filter of the adaptive range.
 //!
 //! A method is an [`Estimator`]; [`crate::horizon`] runs it beside the fault detectors.
+
+pub mod contrast_vector;
+pub mod inverse_sine;
+pub mod range;
+
+pub use inverse_sine::InverseSineEstimator;
 
 use crate::attitude::Attitude;
 use crate::frame::Frame;

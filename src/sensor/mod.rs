@@ -3,11 +3,13 @@
 //! A [`Chip`] is one address on one bus with one or more of the head's sensors behind it. The
 //! hardware source walks over the chips along its schedule.
 //!
+//! - [`ads1115`]: an ADC for amplified pairs.
 //! - [`hardware`]: the chips as a source of frames.
 //! - [`mlx90614`]: the digital thermopile.
 //! - [`power`], [`recovery`]: what is done about chips that fail, step by step.
 //! - [`schedule`]: when in a scan each sensor is read.
 
+pub mod ads1115;
 pub mod hardware;
 pub mod mlx90614;
 pub mod power;

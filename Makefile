@@ -1,0 +1,16 @@
+# The two commands: `make demo` shows the daemon at work without hardware, `make test` runs everything.
+.PHONY: demo test lint bench
+
+demo:
+	@cargo build --release --quiet
+	@tests/demo
+
+test:
+	@tests/run
+
+lint:
+	cargo fmt --check
+	cargo clippy --all-targets --quiet -- --deny warnings
+
+bench:
+	@benches/run

@@ -1,0 +1,42 @@
+//! What holds for everything that the configuration does not say.
+
+use super::settings::{
+    BusAddress, DbusSettings, EstimatorSettings, FaultSettings, HeadSettings, MavlinkSettings, Method, OnFault,
+    Settings, SimulationSettings, SkyName,
+};
+use std::time::Duration;
+
+/// The six named sensors (no `[[sensor]]` at all), hardware, nowhere to send MAVLink to.
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            rate_hz: 50.0,
+            quiet: Duration::from_millis(1),
+            sensors: Vec::new(),
+            head: HeadSettings { roll_trim_deg: 0.0, pitch_trim_deg: 0.0, field_of_view_deg: 90.0 },
+            estimator: EstimatorSettings {
+                method: Method::InverseSine,
+                range_time_constant_s: 3.0,
+                roll_limit_deg: 45.0,
+            },
+            faults: FaultSettings {
+                on_fault: OnFault::Withhold,
+                low_contrast_c: 2.0,
+                lost_after_s: 0.1,
+                back_after_s: 0.1,
+                stale_after_s: 0.5,
+                lamp: None,
+            },
+            mavlink: MavlinkSettings { system_id: 1, component_id: 191, endpoints: Vec::new() },
+            dbus: DbusSettings { bus: Some(BusAddress::System), update_hz: 10.0 },
+            simulation: None,
+        }
+    }
+}
+
+/// A clear night.
+impl Default for SimulationSettings {
+    fn default() -> Self {
+        Self { sky: SkyName::Namibia, noise_c: 0.08, lag_s: 0.1, seed: 1 }
+    }
+}

@@ -1,0 +1,126 @@
+//! `[[mavlink.endpoint]]`.
+
+use super::section::{Findings, Section};
+use super::settings::{EndpointAddress, EndpointSettings};
+use super::source::Place;
+use std::net::SocketAddr;
+
+/// As many endpoints as are served.
+const MOST: usize = 16;
+
+/// Reads the endpoints under the section `mavlink`.
+pub fn read<'a>(mavlink: &mut Section<'a>, findings: &Findings<'a>, rate_hz: f64) -> Vec<EndpointSettings> {
+    let tables = mavlink.list("endpoint", "[[mavlink.endpoint]]");
+    if let Some((place, _)) = tables.get(MOST) {
+        findings.add(*place, format!("mavlink.endpoint: there are {}, and {MOST} are served at most", tables.len()));
+    }
+    let mut read: Vec<(Place, EndpointSettings)> = Vec::new();
+    for (i, (place, table)) in tables.into_iter().take(MOST).enumerate() {
+        let prefix = format!("mavlink.endpoint ({}): ", ordinal(i + 1));
+        let mut s = Section::new(findings, table, place, "[[mavlink.endpoint]]", prefix);
+        let address = address(&mut s);
+        let attitude_hz = s.number("attitude-hz", &format!("0.1 to {rate_hz} Hz, the daemon's rate"), |hz| {
+            (0.1..=rate_hz).contains(&hz)
+        });
+        let place = s.place("address");
+        if let Some(address) = address {
+            if let Some((first, _)) = read.iter().find(|(_, e)| e.address == address) {
+                s.wrong("address", &format!("is taken by the endpoint on {}", findings.line(*first, place)));
+            }
+            read.push((place, EndpointSettings { address, attitude_hz }));
+        }
+        s.finish();
+    }
+    read.into_iter().map(|(_, e)| e).collect()
+}
+
+fn address(s: &mut Section<'_>) -> Option<EndpointAddress> {
+    const FORMS: &str = "\"udpout:host:port\" sends there, \"udpin:address:port\" listens and answers";
+    if !s.has("address") {
+        s.missing("address", FORMS);
+    }
+    let text = s.string("address", FORMS)?;
+    let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
+    match kind {
+        "udpout" | "udpin" => {}
+        "tcpout" | "tcpin" | "serial" => {
+            s.wrong("address", &format!("is not in this version: {FORMS}"));
+            return None;
+        }
+        _ => {
+            s.wrong("address", &format!("is not an endpoint: {FORMS}"));
+            return None;
+        }
+    }
+    let problem = match socket_address(rest) {
+        Ok(to) if to.port() == 0 => "has port 0: a port lies in 1 to 65535".into(),
+        Ok(to) if kind == "udpin" => return Some(EndpointAddress::UdpIn(to)),
+        Ok(to) if to.ip().is_unspecified() => {
+            format!("sends to nobody: name the receiver's address, or listen with \"udpin:{rest}\"")
+        }
+        Ok(to) => return Some(EndpointAddress::UdpOut(to)),
+        Err(problem) => problem,
+    };
+    s.wrong("address", &problem);
+    None
+}
+
+/// `host:port`, the host as a number or `localhost`, IPv6 in brackets.
+fn socket_address(text: &str) -> Result<SocketAddr, String> {
+    let example = "for example 127.0.0.1:14550 or [::1]:14550";
+    let Some((host, port)) = text.rsplit_once(':').filter(|(host, _)| !host.is_empty()) else {
+        return Err(format!("lacks its host or its port: {example}"));
+    };
+    if !port.bytes().all(|b| b.is_ascii_digit()) || port.parse::<u16>().is_err() {
+        return Err("has no good port at its end: a port lies in 1 to 65535".into());
+    }
+    let host = if host == "localhost" { "127.0.0.1" } else { host };
+    if host.contains(':') && !host.starts_with('[') {
+        return Err("has an IPv6 address without its brackets: for example [::1]:14550".into());
+    }
+    format!("{host}:{port}")
+        .parse()
+        .map_err(|_| format!("names a host that is neither an address in numbers nor localhost: {example}"))
+}
+
+/// `1st`, `2nd`, `3rd`, `4th` …
+pub fn ordinal(n: usize) -> String {
+    let ending = match (n % 10, n % 100) {
+        (1, teen) if teen != 11 => "st",
+        (2, teen) if teen != 12 => "nd",
+        (3, teen) if teen != 13 => "rd",
+        _ => "th",
+    };
+    format!("{n}{ending}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hosts_are_numbers_or_localhost() {
+        for (text, good) in [
+            ("127.0.0.1:14550", true),
+            ("localhost:1", true),
+            ("[::1]:14550", true),
+            ("0.0.0.0:14550", true),
+            ("::1:14550", false),
+            ("ground:14550", false),
+            ("127.0.0.1", false),
+            ("127.0.0.1:", false),
+            ("127.0.0.1:65536", false),
+            ("127.0.0.1:+5", false),
+            (":14550", false),
+            ("", false),
+        ] {
+            assert_eq!(socket_address(text).is_ok(), good, "{text}");
+        }
+    }
+
+    #[test]
+    fn ordinals() {
+        let of = [1, 2, 3, 4, 11, 12, 13, 21, 22, 101, 111].map(ordinal);
+        assert_eq!(of.join(" "), "1st 2nd 3rd 4th 11th 12th 13th 21st 22nd 101st 111th");
+    }
+}

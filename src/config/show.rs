@@ -1,0 +1,148 @@
+//! Settings written out as TOML, every default included: reading it gives the same settings.
+
+use super::settings::{
+    AdcInput, Ads1115Settings, BusAddress, DeviceSettings, EndpointAddress, LineSettings, Mlx90614Settings, PecPolicy,
+    SensorSettings, Settings, SkyName,
+};
+use crate::direction::Direction;
+use std::fmt::{Display, Write};
+
+/// The settings as TOML.
+pub fn show(settings: &Settings) -> String {
+    let mut out = Out(String::new());
+    let Settings { rate_hz, quiet, sensors, head, estimator, faults, mavlink, dbus, simulation } = settings;
+    out.header("[daemon]");
+    out.set("rate-hz", rate_hz);
+    out.set("quiet-ms", rounded(quiet.as_secs_f64() * 1e3));
+    for s in sensors {
+        sensor(&mut out, s);
+    }
+    out.header("[head]");
+    out.set("roll-trim-deg", head.roll_trim_deg);
+    out.set("pitch-trim-deg", head.pitch_trim_deg);
+    out.set("field-of-view-deg", head.field_of_view_deg);
+    out.header("[estimator]");
+    out.set("method", string(estimator.method.as_str()));
+    out.set("range-time-constant-s", estimator.range_time_constant_s);
+    out.set("roll-limit-deg", estimator.roll_limit_deg);
+    out.header("[faults]");
+    out.set("on-fault", string("withhold"));
+    out.set("low-contrast-c", faults.low_contrast_c);
+    out.set("lost-after-s", faults.lost_after_s);
+    out.set("back-after-s", faults.back_after_s);
+    out.set("stale-after-s", faults.stale_after_s);
+    out.line("lamp", faults.lamp.as_ref());
+    out.header("[mavlink]");
+    out.set("system-id", mavlink.system_id);
+    out.set("component-id", mavlink.component_id);
+    for e in &mavlink.endpoints {
+        out.header("[[mavlink.endpoint]]");
+        out.set(
+            "address",
+            string(&match e.address {
+                EndpointAddress::UdpOut(a) => format!("udpout:{a}"),
+                EndpointAddress::UdpIn(a) => format!("udpin:{a}"),
+            }),
+        );
+        if let Some(hz) = e.attitude_hz {
+            out.set("attitude-hz", hz);
+        }
+    }
+    out.header("[dbus]");
+    out.set(
+        "bus",
+        string(match &dbus.bus {
+            None => "none",
+            Some(BusAddress::System) => "system",
+            Some(BusAddress::Session) => "session",
+            Some(BusAddress::Address(a)) => a,
+        }),
+    );
+    out.set("update-hz", dbus.update_hz);
+    out.header("[simulation]");
+    out.set("enabled", simulation.is_some());
+    if let Some(s) = simulation {
+        out.set("sky", string(named(&SkyName::NAMED, s.sky)));
+        out.set("noise-c", s.noise_c);
+        out.set("lag-s", s.lag_s);
+        out.set("seed", s.seed);
+    }
+    out.0
+}
+
+fn sensor(out: &mut Out, s: &SensorSettings) {
+    out.header("[[sensor]]");
+    out.set("name", string(&s.name));
+    match &s.device {
+        DeviceSettings::Mlx90614(Mlx90614Settings { bus, address, object, pec }) => {
+            out.set("kind", string("mlx90614"));
+            out.set("bus", string(&bus.to_string_lossy()));
+            out.set("address", format_args!("{address:#04x}"));
+            out.set("object", object);
+            let policy = match pec {
+                PecPolicy::Auto => "auto",
+                PecPolicy::Required => "required",
+                PecPolicy::Off => "off",
+            };
+            out.set("pec", string(policy));
+        }
+        DeviceSettings::Ads1115(a) => {
+            let Ads1115Settings { bus, address, input, gain_v, data_rate_sps, .. } = a;
+            out.set("kind", string("ads1115"));
+            out.set("bus", string(&bus.to_string_lossy()));
+            out.set("address", format_args!("{address:#04x}"));
+            out.set("input", string(named(&AdcInput::NAMED, *input)));
+            out.set("gain-v", gain_v);
+            out.set("data-rate-sps", data_rate_sps);
+            out.set("mode", string(if a.continuous { "continuous" } else { "single-shot" }));
+            out.set("neutral-v", a.neutral_v);
+            out.set("kelvin-per-v", a.kelvin_per_v);
+            out.line("data-ready", a.data_ready.as_ref());
+        }
+    }
+    match Direction::NAMED.iter().find(|(_, d)| *d == s.direction) {
+        Some((name, _)) => out.set("direction", string(name)),
+        None => {
+            let [nose, left, up] = s.direction.components();
+            let azimuth = rounded((-left).atan2(nose).to_degrees());
+            let elevation = rounded(up.clamp(-1.0, 1.0).asin().to_degrees());
+            out.set("direction", format_args!("{{ azimuth-deg = {azimuth}, elevation-deg = {elevation} }}"));
+        }
+    }
+    out.line("power", s.power.as_ref());
+}
+
+struct Out(String);
+
+impl Out {
+    fn header(&mut self, header: &str) {
+        self.0.push_str(header);
+        self.0.push('\n');
+    }
+
+    fn set(&mut self, key: &str, value: impl Display) {
+        // Writing to a String does not fail.
+        let _ = writeln!(self.0, "{key} = {value}");
+    }
+
+    fn line(&mut self, key: &str, line: Option<&LineSettings>) {
+        if let Some(LineSettings { chip, line, active_low }) = line {
+            let chip = string(chip);
+            self.set(key, format_args!("{{ chip = {chip}, line = {line}, active-low = {active_low} }}"));
+        }
+    }
+}
+
+/// A basic TOML string; control characters do not pass validation.
+fn string(s: &str) -> String {
+    format!("\"{}\"", s.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+/// To a millionth: finer than any setting means, and without the last digits of a conversion.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+fn named<T: PartialEq>(names: &[(&'static str, T)], value: T) -> &'static str {
+    names.iter().find(|(_, v)| *v == value).map_or("", |(n, _)| n)
+}

@@ -1,0 +1,138 @@
+//! From the merged tables to [`Settings`]: every section but the sensors.
+
+use super::endpoint;
+use super::nearest::nearest;
+use super::raw::Table;
+use super::section::{Findings, Section};
+use super::sensor::{self, Sensors};
+use super::settings::{
+    BusAddress, DbusSettings, EstimatorSettings, FaultSettings, HeadSettings, LineSettings, MavlinkSettings, Method,
+    OnFault, Settings, SimulationSettings, SkyName,
+};
+use super::source::Place;
+use std::time::Duration;
+
+/// Reads all of `root`; what is wrong goes to `findings`.
+pub fn validate<'a>(root: &'a Table, findings: &'a Findings<'a>) -> (Settings, Sensors<'a>) {
+    let defaults = Settings::default();
+    let mut root = Section::new(findings, root, Place::default(), "", String::new());
+
+    let mut s = root.section("daemon", "[daemon]", "daemon.");
+    let rate_hz = s.range("rate-hz", 1.0, 200.0, " Hz").unwrap_or(defaults.rate_hz);
+    let quiet = s.range("quiet-ms", 0.0, 20.0, " ms").map_or(defaults.quiet, |ms| Duration::from_secs_f64(ms * 1e-3));
+    s.finish();
+
+    let sensors = sensor::read(&mut root, findings);
+
+    let settings = Settings {
+        rate_hz,
+        quiet,
+        sensors: sensors.settings(),
+        head: head(root.section("head", "[head]", "head."), defaults.head),
+        estimator: estimator(root.section("estimator", "[estimator]", "estimator."), defaults.estimator),
+        faults: faults(root.section("faults", "[faults]", "faults."), defaults.faults),
+        mavlink: mavlink(root.section("mavlink", "[mavlink]", "mavlink."), defaults.mavlink, findings, rate_hz),
+        dbus: dbus(root.section("dbus", "[dbus]", "dbus."), defaults.dbus),
+        simulation: simulation(root.section("simulation", "[simulation]", "simulation.")),
+    };
+    root.finish();
+    (settings, sensors)
+}
+
+fn head(mut s: Section<'_>, d: HeadSettings) -> HeadSettings {
+    let settings = HeadSettings {
+        roll_trim_deg: s.range("roll-trim-deg", -45.0, 45.0, "°").unwrap_or(d.roll_trim_deg),
+        pitch_trim_deg: s.range("pitch-trim-deg", -45.0, 45.0, "°").unwrap_or(d.pitch_trim_deg),
+        field_of_view_deg: s.range("field-of-view-deg", 5.0, 150.0, "°").unwrap_or(d.field_of_view_deg),
+    };
+    s.finish();
+    settings
+}
+
+fn estimator(mut s: Section<'_>, d: EstimatorSettings) -> EstimatorSettings {
+    let settings = EstimatorSettings {
+        method: s.choice("method", &Method::NAMED, &["field", "profile"]).unwrap_or(d.method),
+        range_time_constant_s: s.range("range-time-constant-s", 0.1, 60.0, " s").unwrap_or(d.range_time_constant_s),
+        roll_limit_deg: s
+            .number("roll-limit-deg", "0 (no limit) or 10 to 180°", |v| v == 0.0 || (10.0..=180.0).contains(&v))
+            .unwrap_or(d.roll_limit_deg),
+    };
+    s.finish();
+    settings
+}
+
+fn faults(mut s: Section<'_>, d: FaultSettings) -> FaultSettings {
+    let settings = FaultSettings {
+        on_fault: s.choice("on-fault", &[("withhold", OnFault::Withhold)], &["hold", "level"]).unwrap_or(d.on_fault),
+        low_contrast_c: s.range("low-contrast-c", 0.2, 20.0, " K").unwrap_or(d.low_contrast_c),
+        lost_after_s: s.range("lost-after-s", 0.02, 5.0, " s").unwrap_or(d.lost_after_s),
+        back_after_s: s.range("back-after-s", 0.02, 5.0, " s").unwrap_or(d.back_after_s),
+        stale_after_s: s.range("stale-after-s", 0.05, 10.0, " s").unwrap_or(d.stale_after_s),
+        lamp: line(&mut s, "lamp"),
+    };
+    s.finish();
+    settings
+}
+
+fn mavlink<'a>(mut s: Section<'a>, d: MavlinkSettings, findings: &Findings<'a>, rate_hz: f64) -> MavlinkSettings {
+    let mut id =
+        |key, default| s.integer(key, 1, 255, "1 to 255").and_then(|i| u8::try_from(i).ok()).unwrap_or(default);
+    let (system_id, component_id) = (id("system-id", d.system_id), id("component-id", d.component_id));
+    let endpoints = endpoint::read(&mut s, findings, rate_hz);
+    s.finish();
+    MavlinkSettings { system_id, component_id, endpoints }
+}
+
+fn dbus(mut s: Section<'_>, d: DbusSettings) -> DbusSettings {
+    let choices = "\"system\", \"session\", \"none\" or an address such as \"unix:path=/run/…\"";
+    let bus = match s.string("bus", choices) {
+        None => d.bus,
+        Some("system") => Some(BusAddress::System),
+        Some("session") => Some(BusAddress::Session),
+        Some("none") => None,
+        Some(address) if address.contains(':') => Some(BusAddress::Address(address.to_owned())),
+        Some(word) => {
+            let near = nearest(word, ["system", "session", "none"]);
+            let hint = near.map_or(String::new(), |n| format!("; did you mean \"{n}\"?"));
+            s.wrong("bus", &format!("is not known{hint} ({choices})"));
+            None
+        }
+    };
+    let update_hz = s.range("update-hz", 0.1, 50.0, " Hz").unwrap_or(d.update_hz);
+    s.finish();
+    DbusSettings { bus, update_hz }
+}
+
+fn simulation(mut s: Section<'_>) -> Option<SimulationSettings> {
+    let d = SimulationSettings::default();
+    let enabled = s.boolean("enabled").unwrap_or(false);
+    let settings = SimulationSettings {
+        sky: s.choice("sky", &SkyName::NAMED, &[]).unwrap_or(d.sky),
+        noise_c: s.range("noise-c", 0.0, 5.0, " K").unwrap_or(d.noise_c),
+        lag_s: s.range("lag-s", 0.0, 5.0, " s").unwrap_or(d.lag_s),
+        seed: s.integer("seed", 0, i64::MAX, "0 or more, below 2^63").map_or(d.seed, i64::unsigned_abs),
+    };
+    s.finish();
+    enabled.then_some(settings)
+}
+
+/// A GPIO line `{ chip = …, line = …, active-low = … }`.
+pub fn line(s: &mut Section<'_>, key: &'static str) -> Option<LineSettings> {
+    let example = "{ chip = \"pinctrl-bcm2711\", line = 17 }";
+    let there = s.has(key);
+    let mut s = s.section(key, example, &format!("{key}."));
+    let chip = s.string("chip", "a GPIO chip's label (see gpiodetect) or /dev/gpiochipN");
+    let offset = s.integer("line", 0, 1023, "a line's number on its chip, 0 to 1023");
+    let active_low = s.boolean("active-low").unwrap_or(false);
+    if there && s.is_table() {
+        for (name, expected) in
+            [("chip", "the chip's label (see gpiodetect)"), ("line", "the line's number on the chip")]
+        {
+            if !s.has(name) {
+                s.missing(name, expected);
+            }
+        }
+    }
+    s.finish();
+    Some(LineSettings { chip: chip?.to_owned(), line: u32::try_from(offset?).ok()?, active_low })
+}

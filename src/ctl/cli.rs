@@ -1,0 +1,169 @@
+//! The words of the command line.
+
+use crate::config::settings::BusAddress;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Where the daemon's configuration is unless said otherwise.
+pub const DEFAULT_CONFIG: &str = "/etc/irhorizon/irhorizon.toml";
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 failed; 3 no daemon answers; 64 wrong usage.\n\
+                          Of status: 0 nominal; 1 degraded; 2 attitude withheld (faulted or starting); 3 no daemon.";
+
+/// Asks irhorizond questions, and works on recordings without it.
+#[derive(Debug, Parser)]
+#[command(name = "irhorizonctl", version, after_help = EXIT_CODES)]
+pub struct Cli {
+    /// The D-Bus bus the daemon is on: system, session, or an address such as unix:path=/run/bus
+    #[arg(long, global = true, default_value = "system", value_parser = bus)]
+    pub bus: BusAddress,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Say what the daemon says: attitude, mode, faults with their evidence
+    #[command(after_help = EXIT_CODES)]
+    Status {
+        /// How to say it
+        #[arg(long, value_enum, default_value_t)]
+        format: StatusFormat,
+    },
+    /// Show the live horizon in the terminal (q to quit)
+    Watch(WatchArgs),
+    /// List the sensors: readings, states, checks, errors
+    Sensors {
+        /// How to say it
+        #[arg(long, value_enum, default_value_t)]
+        format: SensorsFormat,
+    },
+    /// Check a configuration file and its drop-ins
+    Validate {
+        /// The file
+        #[arg(default_value = DEFAULT_CONFIG)]
+        file: PathBuf,
+        /// Print the configuration that results
+        #[arg(long)]
+        show: bool,
+    },
+    /// Record the daemon's frames as CSV, until Ctrl-C
+    Record(RecordArgs),
+    /// Run a recording through the daemon's own estimator
+    Replay(ReplayArgs),
+}
+
+/// How `status` speaks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum StatusFormat {
+    /// For people
+    #[default]
+    Plain,
+    /// One JSON object
+    Json,
+    /// Prometheus text exposition
+    Prometheus,
+}
+
+/// How `sensors` speaks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum SensorsFormat {
+    /// A table
+    #[default]
+    Plain,
+    /// A JSON array
+    Json,
+}
+
+/// Arguments of `watch`.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct WatchArgs {
+    /// Print a line of JSON for each update instead
+    #[arg(long)]
+    pub json: bool,
+    /// Print one picture (or line of JSON) and end
+    #[arg(long)]
+    pub once: bool,
+    /// The picture's size in cells, WxH; the terminal's when not given
+    #[arg(long, value_parser = size, requires = "once", conflicts_with = "json")]
+    pub size: Option<(u16, u16)>,
+}
+
+/// Arguments of `record`.
+#[derive(Clone, Debug, Args)]
+pub struct RecordArgs {
+    /// The file, - for standard output; irhorizon-<date>-<time>.csv when not given
+    pub file: Option<PathBuf>,
+    /// End after this many seconds
+    #[arg(long, value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// Overwrite the file when it is there already
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `replay`.
+#[derive(Clone, Debug, Args)]
+pub struct ReplayArgs {
+    /// The recording
+    pub file: PathBuf,
+    /// The configuration; the recording's own when not given, or else the six directions
+    #[arg(long)]
+    pub config: Option<PathBuf>,
+    /// Use the thermopiles alone
+    #[arg(long)]
+    pub no_aiding: bool,
+    /// Where the estimates go; standard output when not given
+    #[arg(long)]
+    pub output: Option<PathBuf>,
+}
+
+fn bus(text: &str) -> Result<BusAddress, String> {
+    match text {
+        "system" => Ok(BusAddress::System),
+        "session" => Ok(BusAddress::Session),
+        address if address.contains(':') => Ok(BusAddress::Address(address.to_owned())),
+        _ => Err("expected system, session, or an address such as unix:path=/run/bus".to_owned()),
+    }
+}
+
+fn size(text: &str) -> Result<(u16, u16), String> {
+    let parsed = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    match parsed {
+        Some((w @ 1..=1000, h @ 1..=1000)) => Ok((w, h)),
+        _ => Err("expected columns and rows such as 80x24, each 1 to 1000".to_owned()),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(s) if s > 0.0 && s <= 1e9 => Ok(s),
+        _ => Err("expected seconds, more than 0".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn values_are_checked() {
+        assert_eq!(bus("unix:path=/tmp/b"), Ok(BusAddress::Address("unix:path=/tmp/b".into())));
+        assert!(bus("sytem").is_err());
+        assert_eq!(size("80x24"), Ok((80, 24)));
+        for bad in ["80", "0x24", "80x", "-1x3", "70000x1"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+        for bad in ["0", "-1", "nan", "inf", "x"] {
+            assert!(seconds(bad).is_err(), "{bad}");
+        }
+    }
+}

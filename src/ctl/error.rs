@@ -1,0 +1,141 @@
+//! What goes wrong, in one line with the next step, and the exit codes.
+
+use super::kit::{Cause, DaemonError};
+use crate::recording::ReadError;
+use std::error::Error;
+use std::fmt::Write as _;
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// All went well; for `status`: nominal.
+pub const EXIT_OK: u8 = 0;
+/// The command failed; for `status`: degraded.
+pub const EXIT_FAILED: u8 = 1;
+/// For `status`: attitude is withheld, the daemon is faulted or still starting.
+pub const EXIT_WITHHELD: u8 = 2;
+/// There is no daemon to ask.
+pub const EXIT_NO_DAEMON: u8 = 3;
+/// The command line makes no sense (EX_USAGE of sysexits).
+pub const EXIT_USAGE: u8 = 64;
+
+/// Why a command failed.
+#[derive(Debug, Error)]
+pub enum CtlError {
+    /// The daemon does not answer.
+    #[error("{}", chain(&**.0))]
+    NoDaemon(Cause),
+    /// The daemon refuses a stream of frames.
+    #[error("{}", chain(&**.0))]
+    NoFrames(Cause),
+    /// The stream of frames ended before the user ended it.
+    #[error("the daemon ended the stream of frames after {rows} rows; what was recorded until there is whole")]
+    StreamEnded {
+        /// Rows recorded.
+        rows: u64,
+    },
+    /// The stream of frames cannot be read.
+    #[error("reading the daemon's stream of frames failed after {rows} rows; what was recorded is whole")]
+    Stream {
+        /// Rows recorded.
+        rows: u64,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// A configuration is not good.
+    #[error("the configuration is not usable; correct it and see irhorizonctl validate")]
+    Config(#[source] Cause),
+    /// A recording cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A file is there already.
+    #[error("{path} is there already; give another name, or --force to overwrite it")]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A replay would overwrite what it reads.
+    #[error("{path} is the recording itself; give --output another name")]
+    OverItself {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file cannot be written.
+    #[error("writing {path} failed{}", kept(*.rows))]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The rows that are in it, when it is a recording.
+        rows: Option<u64>,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// Standard output cannot be written.
+    #[error("writing to standard output failed")]
+    Output(#[source] io::Error),
+    /// There is no terminal to draw on.
+    #[error("watch needs a terminal; use --once for one picture or --json for a line each")]
+    NoTerminal,
+    /// The terminal does not do what it is asked.
+    #[error("the terminal failed; use --once for one picture or --json for a line each")]
+    Terminal(#[source] io::Error),
+}
+
+fn kept(rows: Option<u64>) -> String {
+    rows.map(|n| format!("; the file ends whole after {n} rows")).unwrap_or_default()
+}
+
+impl From<DaemonError> for CtlError {
+    /// A daemon that was asked for its state and refuses it counts as none.
+    fn from(error: DaemonError) -> Self {
+        match error {
+            DaemonError::Absent(cause) | DaemonError::Refused(cause) => Self::NoDaemon(cause),
+        }
+    }
+}
+
+impl CtlError {
+    /// The process's exit code.
+    pub fn code(&self) -> u8 {
+        match self {
+            Self::NoDaemon(_) => EXIT_NO_DAEMON,
+            _ => EXIT_FAILED,
+        }
+    }
+
+    /// Whether nobody reads any more: no error to tell anyone.
+    pub fn is_broken_pipe(&self) -> bool {
+        match self {
+            Self::Output(e) | Self::Write { source: e, .. } => e.kind() == io::ErrorKind::BrokenPipe,
+            _ => false,
+        }
+    }
+}
+
+/// The error and its causes in one line; a cause that its parent has quoted is not said twice.
+pub fn chain(error: &dyn Error) -> String {
+    let mut line = error.to_string();
+    let mut cause = error.source();
+    while let Some(e) = cause {
+        let text = e.to_string();
+        if !line.contains(&text) {
+            let _ = write!(line, ": {text}");
+        }
+        cause = e.source();
+    }
+    line.replace('\n', "; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chain_is_one_line_and_says_nothing_twice() {
+        let source = io::Error::new(io::ErrorKind::NotFound, "no such name");
+        let line = chain(&CtlError::Output(source));
+        assert_eq!(line, "writing to standard output failed: no such name");
+        let source = ReadError::Open { file: "a.csv".into(), source: io::Error::other("gone") };
+        assert_eq!(chain(&CtlError::Read(source)).matches("gone").count(), 1);
+    }
+}

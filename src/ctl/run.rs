@@ -1,0 +1,130 @@
+//! Does what the command line says.
+
+use super::cli::{Cli, Command, SensorsFormat, StatusFormat};
+use super::error::{CtlError, EXIT_FAILED, EXIT_OK, EXIT_USAGE, chain};
+use super::kit::Kit;
+use super::view::Status;
+use super::{prometheus, record, replay, sensors, signals, status, watch};
+use crate::config::settings::BusAddress;
+use clap::Parser;
+use clap::error::ErrorKind;
+use serde::Serialize;
+use std::ffi::OsString;
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+
+/// The whole of the binary.
+pub fn main(kit: &Kit) -> ExitCode {
+    let (mut out, mut err) = (io::stdout(), io::stderr());
+    ExitCode::from(run(std::env::args_os(), kit, &mut out, &mut err))
+}
+
+/// Runs a command line (its first word is the program's name); gives the exit code.
+pub fn run(
+    args: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+    kit: &Kit,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> u8 {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(e) if matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
+            let _ = write!(out, "{}", e.render());
+            return EXIT_OK;
+        }
+        Err(e) => {
+            let _ = write!(err, "{}", e.render());
+            return EXIT_USAGE;
+        }
+    };
+    match dispatch(&cli, kit, out, err) {
+        Ok(code) => code,
+        Err(e) if e.is_broken_pipe() => EXIT_OK,
+        Err(e) => {
+            let _ = writeln!(err, "irhorizonctl: {}", chain(&e));
+            e.code()
+        }
+    }
+}
+
+fn dispatch(cli: &Cli, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> Result<u8, CtlError> {
+    match &cli.command {
+        Command::Status { format } => return show_status(*format, &cli.bus, kit, out),
+        Command::Sensors { format } => {
+            let status = ask(&cli.bus, kit)?;
+            let text = match format {
+                SensorsFormat::Plain => sensors::table(&status.sensors),
+                SensorsFormat::Json => json(&status.sensors)?,
+            };
+            print(out, &text)?;
+        }
+        Command::Watch(args) => watch::command(*args, &cli.bus, kit, &*stop_flag()?, out, err)?,
+        Command::Validate { file, show } => return validate(file, *show, kit, out, err),
+        Command::Record(args) => record::command(args, &cli.bus, kit, &*stop_flag()?, out, err)?,
+        Command::Replay(args) => replay::command(args, kit, out, err)?,
+    }
+    Ok(EXIT_OK)
+}
+
+fn ask(bus: &BusAddress, kit: &Kit) -> Result<Status, CtlError> {
+    Ok((kit.connect)(bus)?.status()?)
+}
+
+fn show_status(format: StatusFormat, bus: &BusAddress, kit: &Kit, out: &mut dyn Write) -> Result<u8, CtlError> {
+    let status = match ask(bus, kit) {
+        Ok(status) => status,
+        Err(e) => {
+            if format == StatusFormat::Prometheus {
+                print(out, &prometheus::exposition(None))?;
+            }
+            return Err(e);
+        }
+    };
+    let text = match format {
+        StatusFormat::Plain => status::plain(&status),
+        StatusFormat::Json => json(&status)?,
+        StatusFormat::Prometheus => prometheus::exposition(Some(&status)),
+    };
+    print(out, &text)?;
+    Ok(status::exit_code(&status))
+}
+
+fn validate(file: &Path, show: bool, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> Result<u8, CtlError> {
+    match (kit.load)(file) {
+        Ok(loaded) => {
+            for warning in &loaded.warnings {
+                let _ = writeln!(err, "warning: {warning}");
+            }
+            if show {
+                print(out, &loaded.text)?;
+            } else {
+                for file in &loaded.files {
+                    print(out, &format!("{}: ok\n", file.display()))?;
+                }
+            }
+            Ok(EXIT_OK)
+        }
+        // A line for each error: they are many and each names its file and line.
+        Err(errors) => {
+            let _ = writeln!(err, "{errors}");
+            Ok(EXIT_FAILED)
+        }
+    }
+}
+
+/// JSON for people and programs; what is no number is null.
+fn json(value: &impl Serialize) -> Result<String, CtlError> {
+    let mut text = serde_json::to_string_pretty(value).map_err(|e| CtlError::Output(e.into()))?;
+    text.push('\n');
+    Ok(text)
+}
+
+fn print(out: &mut dyn Write, text: &str) -> Result<(), CtlError> {
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(CtlError::Output)
+}
+
+fn stop_flag() -> Result<std::sync::Arc<AtomicBool>, CtlError> {
+    signals::stop_flag().map_err(CtlError::Terminal)
+}

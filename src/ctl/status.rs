@@ -1,0 +1,116 @@
+//! The state as people read it.
+
+use super::error::{EXIT_FAILED, EXIT_OK, EXIT_WITHHELD};
+use super::view::Status;
+use std::fmt::Write as _;
+
+/// The exit code of `status`: 0 nominal, 1 degraded, 2 withheld.
+pub fn exit_code(status: &Status) -> u8 {
+    match status.mode.as_str() {
+        "nominal" => EXIT_OK,
+        "degraded" => EXIT_FAILED,
+        _ => EXIT_WITHHELD,
+    }
+}
+
+/// The state in lines for people.
+pub fn plain(s: &Status) -> String {
+    let mut t = String::new();
+    let mut line = |label: &str, text: &str| {
+        let _ = writeln!(t, "{label:<10} {text}");
+    };
+    line("irhorizond", &format!("{}, method {}", s.version, s.method));
+    line("mode", &s.mode);
+    line("roll", &angle(s.roll_deg, s.roll_sigma_deg, ("right", "left")));
+    line("pitch", &angle(s.pitch_deg, s.pitch_sigma_deg, ("up", "down")));
+    line("contrast", &finite(s.contrast_c).map_or_else(|| "not seen yet".into(), |k| format!("{k:.1} K")));
+    let age = if s.sample_time_usec == 0 { "none yet".into() } else { format!("{} old", duration(s.sample_age_s)) };
+    line("sample", &format!("{age}, {} a second", number(s.rate_hz, 1)));
+    if s.faults.is_empty() {
+        line("faults", "none");
+    }
+    let width = s.faults.iter().map(|f| f.name.chars().count()).max().unwrap_or(0);
+    for (i, f) in s.faults.iter().enumerate() {
+        let label = if i == 0 { "faults" } else { "" };
+        line(label, &format!("{:<width$}  for {:<7} {}", f.name, duration(f.for_s), f.evidence));
+    }
+    let bad: Vec<_> = s.sensors.iter().filter(|x| x.state != "ok").collect();
+    line("sensors", &format!("{} of {} ok", s.sensors.len() - bad.len(), s.sensors.len()));
+    let width = bad.iter().map(|x| x.name.chars().count()).max().unwrap_or(0);
+    for sensor in bad {
+        line("", &format!("{:<width$}  {}", sensor.name, sensor.state));
+    }
+    for (i, e) in s.endpoints.iter().enumerate() {
+        let label = if i == 0 { "mavlink" } else { "" };
+        let error = if e.last_error.is_empty() { String::new() } else { format!(": {}", e.last_error) };
+        line(label, &format!("{}  {} sent, {} failed{error}", e.address, e.sent, e.failed));
+    }
+    t
+}
+
+/// `+12.3° ± 0.8° right`, or that it is withheld.
+fn angle(value: Option<f64>, sigma: Option<f64>, (positive, negative): (&str, &str)) -> String {
+    let Some(v) = finite(value) else { return "withheld".to_owned() };
+    let side = match () {
+        () if v >= 0.05 => positive,
+        () if v <= -0.05 => negative,
+        () => "level",
+    };
+    // Never "-0.0".
+    let v = if v.abs() < 0.05 { 0.0 } else { v };
+    let sigma = finite(sigma).map_or_else(|| "?".into(), |s| format!("{s:.1}°"));
+    format!("{v:>+6.1}° ± {sigma}  {side}")
+}
+
+/// A value that is one.
+pub fn finite(value: Option<f64>) -> Option<f64> {
+    value.filter(|v| v.is_finite())
+}
+
+/// A number, or a question mark.
+pub fn number(value: f64, decimals: usize) -> String {
+    if value.is_finite() { format!("{value:.decimals$}") } else { "?".to_owned() }
+}
+
+/// A time span in the unit that suits it.
+pub fn duration(seconds: f64) -> String {
+    let s = seconds.max(0.0);
+    match s {
+        _ if !seconds.is_finite() => "?".to_owned(),
+        ..0.9995 => format!("{:.0} ms", s * 1e3),
+        ..99.95 => format!("{s:.1} s"),
+        ..5_970.0 => format!("{:.0} min", s / 60.0),
+        ..356_400.0 => format!("{:.1} h", s / 3_600.0),
+        _ => format!("{:.1} d", s / 86_400.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spans_take_the_unit_that_suits() {
+        for (s, text) in [
+            (0.0124, "12 ms"),
+            (0.99951, "1.0 s"),
+            (59.0, "59.0 s"),
+            (600.0, "10 min"),
+            (7_200.0, "2.0 h"),
+            (864_000.0, "10.0 d"),
+            (-1.0, "0 ms"),
+            (f64::NAN, "?"),
+            (f64::INFINITY, "?"),
+        ] {
+            assert_eq!(duration(s), text);
+        }
+    }
+
+    #[test]
+    fn angles_say_their_side_and_are_never_minus_nothing() {
+        let sides = ("right", "left");
+        assert_eq!(angle(Some(-12.34), Some(0.8), sides), " -12.3° ± 0.8°  left");
+        assert_eq!(angle(Some(-0.01), None, sides), "  +0.0° ± ?  level");
+        assert_eq!(angle(Some(f64::NAN), None, sides), "withheld");
+    }
+}

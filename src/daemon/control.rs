@@ -1,0 +1,63 @@
+//! What D-Bus may ask of the daemon.
+
+use crate::config::Loaded;
+use crate::ctl::view::Endpoint;
+use crate::dbus::{Control, ServiceInfo};
+use crate::mavlink::publisher::Switchboard;
+use crate::recording::Writer;
+use signal_hook::consts::SIGHUP;
+use signal_hook::low_level::raise;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The daemon as the D-Bus service sees it.
+pub struct Desk {
+    info: Mutex<Arc<ServiceInfo>>,
+    mavlink: Arc<Switchboard>,
+    /// Who waits for the outcome of a reload.
+    waiting: Mutex<Vec<SyncSender<Result<(), String>>>>,
+}
+
+impl Desk {
+    /// For a daemon that runs with `loaded`.
+    pub fn new(loaded: &Loaded, mavlink: Arc<Switchboard>) -> Self {
+        Self { info: Mutex::new(info(loaded)), mavlink, waiting: Mutex::default() }
+    }
+
+    /// A new configuration holds.
+    pub fn configure(&self, loaded: &Loaded) {
+        *self.info.lock().unwrap_or_else(PoisonError::into_inner) = info(loaded);
+    }
+
+    /// Tells whoever waits how a reload ended.
+    pub fn reloaded(&self, outcome: &Result<(), String>) {
+        for asker in self.waiting.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+            let _ = asker.try_send(outcome.clone());
+        }
+    }
+}
+
+fn info(loaded: &Loaded) -> Arc<ServiceInfo> {
+    let header = Writer::new(&loaded.settings.head(), &loaded.text).header().to_owned();
+    Arc::new(ServiceInfo::new(&loaded.settings, header))
+}
+
+impl Control for Desk {
+    fn info(&self) -> Arc<ServiceInfo> {
+        Arc::clone(&self.info.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn endpoints(&self) -> Vec<Endpoint> {
+        self.mavlink.endpoints()
+    }
+
+    /// The same way as `systemctl reload`: a hangup to ourselves, seen by the main thread.
+    fn reload(&self) -> Receiver<Result<(), String>> {
+        let (asker, outcome) = sync_channel(1);
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner).push(asker);
+        if let Err(e) = raise(SIGHUP) {
+            self.reloaded(&Err(format!("the daemon could not be told to reload: {e}")));
+        }
+        outcome
+    }
+}

@@ -1,0 +1,81 @@
+//! `irhorizond`: wiring, threads, signals.
+//!
+//! - [`cli`], [`logging`]: how it is started, where it speaks;
+//! - [`running`]: the parts at work, and how a new configuration gets into them;
+//! - [`sampling`], [`ticker`], [`fault_log`]: the sampling loop;
+//! - [`source`]: which source of frames a configuration asks for;
+//! - [`control`]: what D-Bus may ask of the daemon.
+//!
+//! Threads: `main` waits for signals, `sampling` makes frames, `mavlink` and `dbus` publish them.
+
+pub mod cli;
+pub mod control;
+pub mod fault_log;
+pub mod logging;
+pub mod running;
+pub mod sampling;
+pub mod source;
+pub mod ticker;
+
+use crate::config;
+use clap::Parser;
+use cli::Cli;
+use running::Running;
+use sd_notify::NotifyState;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use std::process::ExitCode;
+
+/// The exit status for a configuration that cannot be used (`EX_CONFIG` of sysexits.h): starting
+/// again does not help.
+const EX_CONFIG: u8 = 78;
+
+/// The daemon, from its command line to its end.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    logging::start(cli.log_level.into());
+    let loaded = match config::load(&cli.config) {
+        Ok(loaded) => loaded,
+        Err(errors) => {
+            log::error!("the configuration cannot be used:\n{errors}");
+            return ExitCode::from(EX_CONFIG);
+        }
+    };
+    for warning in &loaded.warnings {
+        log::warn!("{warning}");
+    }
+    // Before any thread starts, so that no signal is lost.
+    let mut signals = match Signals::new([SIGTERM, SIGINT, SIGHUP]) {
+        Ok(signals) => signals,
+        Err(e) => {
+            log::error!("cannot listen for signals: {e}");
+            return ExitCode::FAILURE;
+        }
+    };
+    let mut running = match Running::start(loaded) {
+        Ok(running) => running,
+        Err(e) => {
+            log::error!("{e}");
+            return ExitCode::from(if e.is_configuration() { EX_CONFIG } else { 1 });
+        }
+    };
+    running.first_frame();
+    notify(&[NotifyState::Ready]);
+    for signal in signals.forever() {
+        if signal == SIGHUP {
+            running.reload(&cli.config);
+        } else {
+            break;
+        }
+    }
+    notify(&[NotifyState::Stopping]);
+    running.stop();
+    ExitCode::SUCCESS
+}
+
+/// Tells systemd, where it listens.
+fn notify(states: &[NotifyState<'_>]) {
+    if let Err(e) = sd_notify::notify(states) {
+        log::debug!("systemd was not told: {e}");
+    }
+}

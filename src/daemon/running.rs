@@ -1,0 +1,205 @@
+//! The parts at work, and how a new configuration gets into them.
+
+use super::control::Desk;
+use super::sampling::Sampling;
+use super::source;
+use crate::config::{self, Loaded, Settings};
+use crate::config::{Change, changes};
+use crate::dbus::{self, DbusError, Service};
+use crate::gpio::lamp::Lamp;
+use crate::gpio::output::OutputLine;
+use crate::horizon::Horizon;
+use crate::mavlink::publisher::{self, Switchboard};
+use crate::recording::Taps;
+use crate::state::Shared;
+use std::fmt;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+/// How long the parts have to end in good order; what hangs on a held bus is left behind.
+const END_WITHIN: Duration = Duration::from_millis(400);
+
+/// How long the first frame may take before the daemon is called ready without it.
+const FIRST_FRAME: Duration = Duration::from_secs(5);
+
+/// How long the first connection to D-Bus may take before it goes on in the background.
+const FIRST_CONNECTION: Duration = Duration::from_secs(2);
+
+/// Why the daemon did not start, or a new configuration was not taken up.
+#[derive(Debug)]
+pub enum StartError {
+    /// The configuration is sound but cannot be done.
+    Configuration(String),
+    /// The D-Bus name cannot be had.
+    Dbus(DbusError),
+    /// The system gave no thread.
+    Thread(std::io::Error),
+}
+
+impl StartError {
+    /// Whether the configuration must be changed.
+    pub const fn is_configuration(&self) -> bool {
+        matches!(self, Self::Configuration(_))
+    }
+}
+
+impl fmt::Display for StartError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Configuration(text) => f.write_str(text),
+            Self::Dbus(e) => e.fmt(f),
+            Self::Thread(e) => write!(f, "cannot start a thread: {e}"),
+        }
+    }
+}
+
+impl std::error::Error for StartError {}
+
+/// A sampling loop at work.
+struct Loop {
+    stop: Arc<AtomicBool>,
+    thread: JoinHandle<()>,
+}
+
+/// The daemon at work.
+pub struct Running {
+    settings: Settings,
+    shared: Arc<Shared>,
+    taps: Arc<Taps>,
+    mavlink: Arc<Switchboard>,
+    desk: Arc<Desk>,
+    sampling: Option<Loop>,
+    publishers: Vec<JoinHandle<()>>,
+}
+
+impl Running {
+    /// Starts everything.
+    pub fn start(loaded: Loaded) -> Result<Self, StartError> {
+        let settings = &loaded.settings;
+        let shared = Arc::new(Shared::default());
+        let taps = Arc::new(Taps::default());
+        let mavlink = Arc::new(Switchboard::new(settings.mavlink.clone(), Arc::new(settings.head())));
+        let desk = Arc::new(Desk::new(&loaded, Arc::clone(&mavlink)));
+        let mut publishers = Vec::new();
+        if let Some(bus) = settings.dbus.bus.clone() {
+            let (first, outcome) = sync_channel(1);
+            let control = Arc::clone(&desk) as Arc<dyn dbus::Control>;
+            let service = Service { bus, shared: Arc::clone(&shared), taps: Arc::clone(&taps), control };
+            publishers.push(spawn("dbus", move || dbus::run(&service, first))?);
+            match outcome.recv_timeout(FIRST_CONNECTION) {
+                Ok(Err(e)) if e.fatal() => return Err(StartError::Dbus(e)),
+                _ => {}
+            }
+        }
+        let sampling = Some(sample(settings, &shared, &taps)?);
+        {
+            let (shared, mavlink) = (Arc::clone(&shared), Arc::clone(&mavlink));
+            publishers.push(spawn("mavlink", move || publisher::run(&shared, &mavlink))?);
+        }
+        log::info!(
+            "irhorizond {}: {} sensors at {} Hz, method {}",
+            env!("CARGO_PKG_VERSION"),
+            settings.head().sensors.len(),
+            settings.rate_hz,
+            settings.estimator.method.as_str()
+        );
+        Ok(Self { settings: loaded.settings, shared, taps, mavlink, desk, sampling, publishers })
+    }
+
+    /// Waits for the first frame, for a while.
+    pub fn first_frame(&self) {
+        drop(self.shared.wait_beyond(0, FIRST_FRAME));
+    }
+
+    /// Takes up the configuration in `path`; one that is not good changes nothing.
+    pub fn reload(&mut self, path: &Path) {
+        let outcome = match config::load(path) {
+            Ok(loaded) => self.take_up(loaded).map_err(|e| e.to_string()),
+            Err(errors) => Err(errors.to_string()),
+        };
+        match &outcome {
+            Ok(()) => log::info!("configuration reloaded"),
+            Err(e) => log::error!("the new configuration is refused, the old one stays in force:\n{e}"),
+        }
+        self.desk.reloaded(&outcome);
+    }
+
+    fn take_up(&mut self, loaded: Loaded) -> Result<(), StartError> {
+        let changed = changes(&self.settings, &loaded.settings);
+        let new = &loaded.settings;
+        for change in changed.iter().filter(|c| c.needs_restart()) {
+            log::warn!("{} has changed: that takes effect when irhorizond is restarted", change.as_str());
+        }
+        let publishing = [Change::Mavlink, Change::DbusBus, Change::DbusUpdate];
+        if changed.iter().any(|c| !publishing.contains(c)) {
+            // The old loop must let go of buses and lines before the new one can have them.
+            self.end_sampling();
+            match sample(new, &self.shared, &self.taps) {
+                Ok(sampling) => self.sampling = Some(sampling),
+                Err(e) => {
+                    self.sampling = Some(sample(&self.settings, &self.shared, &self.taps)?);
+                    return Err(e);
+                }
+            }
+        }
+        self.mavlink.configure(new.mavlink.clone(), Arc::new(new.head()));
+        self.desk.configure(&loaded);
+        self.shared.update(|s| s.generation += 1);
+        self.settings = loaded.settings;
+        Ok(())
+    }
+
+    fn end_sampling(&mut self) {
+        if let Some(Loop { stop, thread }) = self.sampling.take() {
+            stop.store(true, Ordering::Relaxed);
+            let _ = thread.join();
+        }
+    }
+
+    /// Ends everything in good order, or leaves behind what hangs.
+    pub fn stop(mut self) {
+        let deadline = Instant::now() + END_WITHIN;
+        self.shared.update(|s| s.stopping = true);
+        if let Some(Loop { stop, thread }) = self.sampling.take() {
+            stop.store(true, Ordering::Relaxed);
+            self.publishers.push(thread);
+        }
+        for thread in self.publishers {
+            while !thread.is_finished() && Instant::now() < deadline {
+                thread::sleep(Duration::from_millis(5));
+            }
+            if !thread.is_finished() {
+                log::warn!("{} hangs and is left behind", thread.thread().name().unwrap_or("a thread"));
+            }
+        }
+        log::info!("stopped");
+    }
+}
+
+fn spawn(name: &str, body: impl FnOnce() + Send + 'static) -> Result<JoinHandle<()>, StartError> {
+    // Small stacks: none of the loops is deep.
+    thread::Builder::new().name(name.to_owned()).stack_size(512 * 1024).spawn(body).map_err(StartError::Thread)
+}
+
+/// Starts a sampling loop.
+fn sample(settings: &Settings, shared: &Arc<Shared>, taps: &Arc<Taps>) -> Result<Loop, StartError> {
+    let head = settings.head();
+    let source = source::open(settings, &head).map_err(StartError::Configuration)?;
+    let horizon = Horizon::new(settings, head.clone());
+    let lamp = settings.faults.lamp.as_ref().and_then(|line| match OutputLine::open(line, true) {
+        Ok(output) => Some(Lamp::new(output)),
+        Err(e) => {
+            log::error!("fault lamp: {e}; it stays as it is");
+            None
+        }
+    });
+    let stop = Arc::new(AtomicBool::new(false));
+    let sampling = Sampling::new(head, source, horizon, Arc::clone(shared), Arc::clone(taps), lamp);
+    let (rate_hz, flag) = (settings.rate_hz, Arc::clone(&stop));
+    let thread = spawn("sampling", move || sampling.run(rate_hz, &flag))?;
+    Ok(Loop { stop, thread })
+}

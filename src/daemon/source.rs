@@ -1,0 +1,22 @@
+//! Which source of frames a configuration asks for.
+
+use crate::config::Settings;
+use crate::head::Head;
+use crate::simulation::SimulatedSource;
+use crate::sky::FieldOfView;
+use crate::source::FrameSource;
+
+/// The simulated flight where one is configured, the hardware otherwise.
+///
+/// Errors when the sensors cannot be read in the time that the rate leaves. Hardware that is absent
+/// is no error: it may come, and until then its faults say what is missing.
+pub fn open(settings: &Settings, head: &Head) -> Result<Box<dyn FrameSource>, String> {
+    match &settings.simulation {
+        Some(simulation) => {
+            let field = FieldOfView::Gaussian { fwhm_deg: settings.head.field_of_view_deg };
+            log::info!("simulated flight: no hardware is read, the attitude is made up");
+            Ok(Box::new(SimulatedSource::new(simulation, head, field)))
+        }
+        None => Err("no hardware yet".to_owned()),
+    }
+}

@@ -1,0 +1,142 @@
+//! `org.irhorizon1.Horizon`: attitude, mode and faults.
+
+use super::info::Control;
+use super::live::Live;
+use crate::attitude::Attitude;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use zbus::{Variant, interface};
+
+/// The live state, shared by the interfaces and the loop that signals its changes.
+pub(super) type SharedLive = Arc<Mutex<Live>>;
+
+/// A short look at the live state.
+pub(super) fn lock(live: &SharedLive) -> MutexGuard<'_, Live> {
+    live.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The interface's object.
+#[derive(Clone)]
+pub(super) struct Horizon {
+    pub live: SharedLive,
+    pub control: Arc<dyn Control>,
+}
+
+impl Horizon {
+    fn attitude_deg(&self, pick: impl FnOnce(Attitude) -> f64) -> f64 {
+        lock(&self.live).snapshot.estimate.attitude.map_or(f64::NAN, |a| pick(a).to_degrees())
+    }
+
+    fn sigma_deg(&self, pick: impl FnOnce(Attitude) -> f64) -> f64 {
+        let live = lock(&self.live);
+        let estimate = &live.snapshot.estimate;
+        if estimate.attitude.is_some() { pick(estimate.sigma).to_degrees() } else { f64::NAN }
+    }
+
+    /// The properties whose changes are signalled.
+    pub fn signalled(&self) -> [(&'static str, Variant<'static>); 11] {
+        [
+            ("RollDeg", self.roll_deg().into()),
+            ("PitchDeg", self.pitch_deg().into()),
+            ("RollSigmaDeg", self.roll_sigma_deg().into()),
+            ("PitchSigmaDeg", self.pitch_sigma_deg().into()),
+            ("ContrastC", self.contrast_c().into()),
+            ("Mode", self.mode().into()),
+            ("Faults", self.faults().into()),
+            ("FaultDetails", self.fault_details().into()),
+            ("Method", self.method().into()),
+            ("SampleTimeUsec", self.sample_time_usec().into()),
+            ("RateHz", self.rate_hz().into()),
+        ]
+    }
+}
+
+/// The properties are read-only. Angles are in degrees and NaN while attitude is withheld.
+/// Changes come as one PropertiesChanged for all properties, `update-hz` times a second at most,
+/// and at once when the mode or the faults change.
+#[interface(name = "org.irhorizon1.Horizon")]
+impl Horizon {
+    /// Roll, degrees, right wing down positive.
+    #[zbus(property)]
+    pub fn roll_deg(&self) -> f64 {
+        self.attitude_deg(|a| a.roll)
+    }
+
+    /// Pitch, degrees, nose up positive.
+    #[zbus(property)]
+    pub fn pitch_deg(&self) -> f64 {
+        self.attitude_deg(|a| a.pitch)
+    }
+
+    /// Standard deviation of roll, degrees.
+    #[zbus(property)]
+    pub fn roll_sigma_deg(&self) -> f64 {
+        self.sigma_deg(|a| a.roll)
+    }
+
+    /// Standard deviation of pitch, degrees.
+    #[zbus(property)]
+    pub fn pitch_sigma_deg(&self) -> f64 {
+        self.sigma_deg(|a| a.pitch)
+    }
+
+    /// Ground less zenith as the vertical pair sees it, kelvin; NaN when unknown.
+    #[zbus(property)]
+    pub fn contrast_c(&self) -> f64 {
+        lock(&self.live).snapshot.estimate.contrast_k.unwrap_or(f64::NAN)
+    }
+
+    /// `starting`, `nominal`, `degraded` or `faulted`.
+    #[zbus(property)]
+    pub fn mode(&self) -> &'static str {
+        lock(&self.live).snapshot.estimate.mode.as_str()
+    }
+
+    /// The active faults.
+    #[zbus(property)]
+    pub fn faults(&self) -> Vec<String> {
+        let live = lock(&self.live);
+        live.snapshot.estimate.faults.iter().map(|f| f.kind.display(&live.info.head).to_string()).collect()
+    }
+
+    /// The active faults: name, since when (microseconds of CLOCK_BOOTTIME), evidence.
+    #[zbus(property)]
+    pub fn fault_details(&self) -> Vec<(String, u64, String)> {
+        let live = lock(&self.live);
+        let one = |f: &crate::fault::ActiveFault| {
+            (f.kind.display(&live.info.head).to_string(), f.since.as_micros(), f.evidence.to_string())
+        };
+        live.snapshot.estimate.faults.iter().map(one).collect()
+    }
+
+    /// The method of estimation.
+    #[zbus(property)]
+    pub fn method(&self) -> &'static str {
+        lock(&self.live).info.method
+    }
+
+    /// When the newest measurement was made, microseconds of CLOCK_BOOTTIME; 0 before the first.
+    #[zbus(property)]
+    pub fn sample_time_usec(&self) -> u64 {
+        lock(&self.live).snapshot.estimate.time.as_micros()
+    }
+
+    /// Frames a second, measured.
+    #[zbus(property)]
+    pub fn rate_hz(&self) -> f64 {
+        lock(&self.live).snapshot.rate_hz
+    }
+
+    /// The daemon's version.
+    #[zbus(property(emits_changed_signal = "const"))]
+    pub fn version(&self) -> &'static str {
+        env!("CARGO_PKG_VERSION")
+    }
+
+    /// The MAVLink endpoints: address, messages sent, messages that failed, the last error.
+    /// Changes are not signalled.
+    #[zbus(property(emits_changed_signal = "false"))]
+    pub fn endpoints(&self) -> Vec<(String, u64, u64, String)> {
+        let endpoints = self.control.endpoints();
+        endpoints.into_iter().map(|e| (e.address, e.sent, e.failed, e.last_error)).collect()
+    }
+}

@@ -1,0 +1,85 @@
+//! What does not change from frame to frame, and what the service asks of the daemon.
+
+use crate::config::settings::{DeviceSettings, Settings};
+use crate::ctl::view::Endpoint;
+use crate::head::Head;
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+use std::time::Duration;
+
+/// What the service says beside the frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ServiceInfo {
+    /// The head, whose names the faults carry.
+    pub head: Head,
+    /// The sensors, in the head's order.
+    pub sensors: Vec<SensorInfo>,
+    /// The method of estimation.
+    pub method: &'static str,
+    /// From one signal to the next.
+    pub update: Duration,
+    /// The age of the newest frame beyond which the attitude is not shown any more.
+    pub overdue: Duration,
+    /// The first line of a stream of frames.
+    pub frames_header: String,
+}
+
+/// What is configured of a sensor.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SensorInfo {
+    /// Its name.
+    pub name: String,
+    /// `mlx90614`, `ads1115` or `simulated`.
+    pub kind: &'static str,
+    /// Its bus, empty when simulated.
+    pub bus: String,
+    /// Its address there, 0 when simulated.
+    pub address: u8,
+    /// Where it looks.
+    pub direction: String,
+}
+
+impl ServiceInfo {
+    /// What the service says of these settings; a stream of frames begins with `frames_header`.
+    pub fn new(settings: &Settings, frames_header: String) -> Self {
+        let simulated = settings.simulation.is_some();
+        let sensors = settings.sensors.iter().map(|s| {
+            let direction = s.direction.to_string();
+            if simulated {
+                return SensorInfo { name: s.name.clone(), kind: "simulated", direction, ..SensorInfo::default() };
+            }
+            let kind = match s.device {
+                DeviceSettings::Mlx90614(_) => "mlx90614",
+                DeviceSettings::Ads1115(_) => "ads1115",
+            };
+            let bus = s.device.bus().to_string_lossy().into_owned();
+            SensorInfo { name: s.name.clone(), kind, bus, address: s.device.address(), direction }
+        });
+        Self {
+            head: settings.head(),
+            sensors: sensors.collect(),
+            method: settings.estimator.method.as_str(),
+            update: seconds(1.0 / settings.dbus.update_hz),
+            overdue: seconds(settings.faults.stale_after_s + 2.0 / settings.rate_hz),
+            frames_header,
+        }
+    }
+}
+
+/// A duration, whatever the number: a day in place of what is none.
+fn seconds(s: f64) -> Duration {
+    Duration::try_from_secs_f64(s).unwrap_or(Duration::from_secs(86_400))
+}
+
+/// What the service asks of the daemon. No method may block: they run on the service's thread.
+pub trait Control: Send + Sync {
+    /// What holds now; asked again whenever the state's generation has changed.
+    fn info(&self) -> Arc<ServiceInfo>;
+
+    /// The MAVLink endpoints.
+    fn endpoints(&self) -> Vec<Endpoint>;
+
+    /// Asks for a reload of the configuration and gives where the outcome will come: an error with
+    /// the text for the user when the new configuration is not accepted and the old one goes on.
+    fn reload(&self) -> Receiver<Result<(), String>>;
+}

@@ -1,0 +1,86 @@
+//! The report's scheme (section IV.B), kept as published: `roll = asin(y/R)`, `pitch = asin(x/R)`,
+//! the inverse sine from a [`table`], `R` the vertical pair's output low-passed over a few seconds,
+//! roll limited.
+//!
+//! Its two known faults are kept with it: `R` shrinks with `cos φ cos θ` in a sustained bank, and
+//! `asin(y/R)` is not roll while pitch is not zero. The standard deviations own up to both.
+
+mod excess;
+mod table;
+
+use super::contrast_vector::contrast_vector;
+use super::range::LowPass;
+use super::{Estimator, Solution};
+use crate::attitude::Attitude;
+use crate::frame::Frame;
+use crate::head::Head;
+use excess::Excess;
+use table::InverseSine;
+
+/// Noise of one pair's signal that the standard deviations assume, K rms: two sensors of 0.08 K.
+const PAIR_NOISE_K: f64 = 0.113;
+
+/// The smallest range that an angle is divided by, K: far below any usable contrast.
+const SMALLEST_RANGE_K: f64 = 1e-3;
+
+/// The report's estimator.
+#[derive(Clone, Debug)]
+pub struct InverseSineEstimator {
+    head: Head,
+    table: InverseSine,
+    excess: Excess,
+    /// Low-passed |z|: what scales the angles.
+    range: LowPass,
+    /// Low-passed z: the contrast with its sign.
+    contrast: LowPass,
+    roll_limit: f64,
+}
+
+impl InverseSineEstimator {
+    /// For `head` of sensors with `field_of_view_deg` (only their standard deviation depends on it);
+    /// `range_time_constant_s` > 0 in seconds, `roll_limit_deg` in degrees, 0 = none
+    /// (the report: 45).
+    pub fn new(head: Head, field_of_view_deg: f64, range_time_constant_s: f64, roll_limit_deg: f64) -> Self {
+        Self {
+            head,
+            table: InverseSine::new(),
+            excess: Excess::new(field_of_view_deg),
+            range: LowPass::new(range_time_constant_s),
+            contrast: LowPass::new(range_time_constant_s),
+            roll_limit: if roll_limit_deg > 0.0 { roll_limit_deg.to_radians() } else { std::f64::consts::PI },
+        }
+    }
+
+    /// The angle of `signal` on a range, and its standard deviation: noise, the sine's own excess,
+    /// and how far the range seen now would have moved it.
+    fn angle(&self, signal_k: f64, range_k: f64, seen_k: f64) -> (f64, f64) {
+        let angle = self.table.angle(signal_k / range_k);
+        let noise = PAIR_NOISE_K / range_k / angle.cos().max(0.1);
+        let excess = self.excess.at(angle);
+        let doubt = angle - self.table.angle(signal_k / seen_k.max(SMALLEST_RANGE_K));
+        (angle, noise.hypot(excess).hypot(doubt))
+    }
+}
+
+impl Estimator for InverseSineEstimator {
+    fn update(&mut self, frame: &Frame) -> Solution {
+        let seen = contrast_vector(&self.head, frame);
+        if let (Some([_, _, z]), Some(time)) = (seen, frame.sample_time()) {
+            self.range.update(z.abs(), time);
+            self.contrast.update(z, time);
+        }
+        let mut solution = Solution { contrast_k: self.contrast.value(), seen_k: seen, ..Solution::default() };
+        if let (Some([x, y, z]), Some(range)) = (seen, self.range.value()) {
+            let range = range.max(SMALLEST_RANGE_K);
+            let seen_k = (x * x + y * y + z * z).sqrt();
+            let (roll, roll_sigma) = self.angle(y, range, seen_k);
+            let (pitch, pitch_sigma) = self.angle(x, range, seen_k);
+            solution.attitude = Some(Attitude { roll: roll.clamp(-self.roll_limit, self.roll_limit), pitch });
+            solution.sigma = Attitude { roll: roll_sigma, pitch: pitch_sigma };
+        }
+        solution
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,72 @@
+//! A first-order low-pass filter over samples that come when they come.
+
+use crate::time::Time;
+
+/// A first-order low-pass filter, exact for a signal that holds between samples.
+///
+/// The report scales the angles by the vertical pair's output "filtered with a time constant of a
+/// few seconds" (section IV.A.2).
+#[derive(Clone, Copy, Debug)]
+pub struct LowPass {
+    time_constant_s: f64,
+    state: Option<(f64, Time)>,
+}
+
+impl LowPass {
+    /// With `time_constant_s` > 0, in seconds.
+    pub fn new(time_constant_s: f64) -> Self {
+        Self { time_constant_s, state: None }
+    }
+
+    /// Takes in `value` seen at `time`; the first value is taken as it is. A value that is not
+    /// finite, or not later than the one before, changes nothing. Gives the filtered value.
+    pub fn update(&mut self, value: f64, time: Time) -> Option<f64> {
+        if value.is_finite() {
+            match &mut self.state {
+                None => self.state = Some((value, time)),
+                Some((filtered, last)) if time > *last => {
+                    *filtered += (value - *filtered) * -(-time.since(*last) / self.time_constant_s).exp_m1();
+                    *last = time;
+                }
+                Some(_) => {}
+            }
+        }
+        self.value()
+    }
+
+    /// The filtered value; `None` before the first.
+    pub fn value(&self) -> Option<f64> {
+        self.state.map(|(v, _)| v)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(s: f64) -> Time {
+        Time::from_secs_f64(s)
+    }
+
+    #[test]
+    fn a_step_reaches_63_percent_after_one_time_constant_whatever_the_rate() {
+        for rate in [1.0, 10.0, 50.0] {
+            let mut f = LowPass::new(3.0);
+            f.update(0.0, at(0.0));
+            for i in 1..=(3.0 * rate) as u32 {
+                f.update(1.0, at(f64::from(i) / rate));
+            }
+            assert!((f.value().unwrap() - 0.632_12).abs() < 1e-4, "{rate} Hz: {:?}", f.value());
+        }
+    }
+
+    #[test]
+    fn repeated_backward_and_impossible_samples_change_nothing() {
+        let mut f = LowPass::new(1.0);
+        assert_eq!(f.update(f64::NAN, at(0.0)), None);
+        f.update(5.0, at(1.0));
+        assert_eq!(f.update(9.0, at(1.0)), Some(5.0));
+        assert_eq!(f.update(9.0, at(0.5)), Some(5.0));
+        assert_eq!(f.update(f64::INFINITY, at(2.0)), Some(5.0));
+    }
+}

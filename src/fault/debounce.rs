@@ -1,0 +1,91 @@
+//! Time hysteresis: a condition must last before it is a fault, and be gone before it is none.
+
+use crate::time::Time;
+
+/// Where a condition stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Not there.
+    Clear,
+    /// Seen, not for long enough to be called a fault; nothing should be built on it meanwhile.
+    Suspected,
+    /// A fault.
+    Active,
+}
+
+/// A condition with the time that it takes to believe it, and to believe that it is over.
+#[derive(Clone, Copy, Debug)]
+pub struct Debounce {
+    on_after_s: f64,
+    off_after_s: f64,
+    active: bool,
+    /// Since when the condition has been other than `active` says.
+    changing_since: Option<Time>,
+    active_since: Time,
+}
+
+impl Debounce {
+    /// Believed after `on_after_s` seconds, over after `off_after_s` seconds.
+    pub fn new(on_after_s: f64, off_after_s: f64) -> Self {
+        Self { on_after_s, off_after_s, active: false, changing_since: None, active_since: Time::default() }
+    }
+
+    /// Takes in at `now` whether the condition is there; gives where it stands.
+    pub fn update(&mut self, present: bool, now: Time) -> State {
+        if present == self.active {
+            self.changing_since = None;
+        } else {
+            let since = *self.changing_since.get_or_insert(now);
+            let needed = if present { self.on_after_s } else { self.off_after_s };
+            // Half a millisecond of grace: scans are not placed to the nanosecond.
+            if now.since(since) >= needed - 0.000_5 {
+                self.active = present;
+                self.active_since = since;
+                self.changing_since = None;
+            }
+        }
+        match (self.active, present) {
+            (true, _) => State::Active,
+            (false, true) => State::Suspected,
+            (false, false) => State::Clear,
+        }
+    }
+
+    /// Since when the fault has been there; meaningful while active.
+    pub fn since(&self) -> Time {
+        self.active_since
+    }
+
+    /// Whether the condition is a fault now.
+    pub fn is_active(&self) -> bool {
+        self.active
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn believed_after_a_while_and_over_after_another() {
+        let mut d = Debounce::new(0.2, 1.0);
+        let at = |s: f64| Time::from_secs_f64(10.0 + s);
+        assert_eq!(d.update(false, at(0.0)), State::Clear);
+        assert_eq!(d.update(true, at(0.1)), State::Suspected);
+        assert_eq!(d.update(true, at(0.2)), State::Suspected);
+        assert_eq!(d.update(true, at(0.3)), State::Active);
+        assert_eq!(d.since(), at(0.1), "since it was first seen");
+        assert_eq!(d.update(false, at(0.4)), State::Active);
+        assert_eq!(d.update(true, at(1.3)), State::Active, "seen again: the wait begins anew");
+        assert_eq!(d.update(false, at(1.5)), State::Active);
+        assert_eq!(d.update(false, at(2.5)), State::Clear);
+    }
+
+    #[test]
+    fn a_moment_is_no_fault() {
+        let mut d = Debounce::new(0.2, 1.0);
+        for i in 0..100 {
+            assert_ne!(d.update(i % 5 != 0, Time::from_secs_f64(f64::from(i) * 0.04)), State::Active);
+        }
+    }
+}

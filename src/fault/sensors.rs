@@ -1,0 +1,99 @@
+//! Sensors and buses that give nothing, and measurements that are too old.
+
+use super::debounce::Debounce;
+use super::{ActiveFault, Evidence, FaultKind};
+use crate::frame::{Frame, Missing};
+use crate::head::Head;
+use crate::time::Time;
+
+/// What is kept of one sensor.
+#[derive(Clone, Copy, Debug)]
+struct Watch {
+    gone: Debounce,
+    reason: Missing,
+    failures: u32,
+}
+
+/// Sees `sensor-lost`, `sensor-saturated`, `bus-down` and `stale`.
+#[derive(Clone, Debug)]
+pub struct SensorDetector {
+    head: Head,
+    sensors: Vec<Watch>,
+    buses: Vec<Watch>,
+    stale_after_s: f64,
+    newest: Option<Time>,
+    started: Option<Time>,
+    now: Time,
+}
+
+impl SensorDetector {
+    /// A sensor is lost after `lost_after_s` without a measurement and back after `back_after_s` of
+    /// measurements; all together are stale when the newest is older than `stale_after_s`.
+    pub fn new(head: Head, lost_after_s: f64, back_after_s: f64, stale_after_s: f64) -> Self {
+        let watch = Watch { gone: Debounce::new(lost_after_s, back_after_s), reason: Missing::NotYet, failures: 0 };
+        Self {
+            sensors: vec![watch; head.sensors.len()],
+            buses: vec![watch; head.buses.len()],
+            head,
+            stale_after_s,
+            newest: None,
+            started: None,
+            now: Time::default(),
+        }
+    }
+
+    /// Takes in a frame and the reason for which each bus is down.
+    pub fn update(&mut self, frame: &Frame, buses_down: &[Option<Missing>]) {
+        self.now = frame.time;
+        self.started.get_or_insert(frame.time);
+        self.newest = self.newest.max(frame.sample_time());
+        for (watch, reading) in self.sensors.iter_mut().zip(&frame.readings) {
+            watch.update(reading.err(), frame.time);
+        }
+        for (watch, down) in self.buses.iter_mut().zip(buses_down) {
+            watch.update(*down, frame.time);
+        }
+    }
+
+    /// Adds what is there to `faults`. A sensor on a bus that is down is not counted a second time.
+    pub fn report(&self, faults: &mut Vec<ActiveFault>) {
+        for (i, (watch, sensor)) in self.sensors.iter().zip(&self.head.sensors).enumerate() {
+            let bus_down = sensor.bus.and_then(|b| self.buses.get(b)).is_some_and(|b| b.gone.is_active());
+            if watch.gone.is_active() && !bus_down {
+                let kind = match watch.reason {
+                    Missing::Saturated => FaultKind::SensorSaturated(i),
+                    _ => FaultKind::SensorLost(i),
+                };
+                faults.push(watch.fault(kind));
+            }
+        }
+        for (i, watch) in self.buses.iter().enumerate() {
+            if watch.gone.is_active() {
+                faults.push(watch.fault(FaultKind::BusDown(i)));
+            }
+        }
+        let since = self.newest.or(self.started).unwrap_or(self.now);
+        let age = self.now.since(since);
+        if age > self.stale_after_s {
+            let evidence = Evidence::Limit { value: age, limit: self.stale_after_s, unit: "s" };
+            faults.push(ActiveFault { kind: FaultKind::Stale, since, evidence });
+        }
+    }
+}
+
+impl Watch {
+    fn update(&mut self, missing: Option<Missing>, now: Time) {
+        if let Some(reason) = missing {
+            self.reason = reason;
+            self.failures = self.failures.saturating_add(1);
+        } else {
+            self.failures = 0;
+        }
+        self.gone.update(missing.is_some(), now);
+    }
+
+    fn fault(&self, kind: FaultKind) -> ActiveFault {
+        let evidence = Evidence::Missing { reason: self.reason, failures: self.failures };
+        ActiveFault { kind, since: self.gone.since(), evidence }
+    }
+}

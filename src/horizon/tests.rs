@@ -1,0 +1,190 @@
+use super::*;
+use crate::config::Settings;
+use crate::direction::Direction;
+use crate::frame::{Sample, Value};
+use crate::time::Time;
+
+/// A head under a sinusoidal sky: what its frames give, 50 a second.
+struct Flight {
+    horizon: Horizon,
+    estimate: Estimate,
+    now_s: f64,
+}
+
+impl Flight {
+    fn new() -> Self {
+        let settings = Settings::default();
+        Self { horizon: Horizon::new(&settings, Head::six()), estimate: Estimate::default(), now_s: 100.0 }
+    }
+
+    /// The next frame: `contrast_k` at level, `missing` by sensor.
+    fn fly(&mut self, roll_deg: f64, contrast_k: f64, missing: &[(usize, Missing)]) -> &Estimate {
+        self.now_s += 0.02;
+        let time = Time::from_secs_f64(self.now_s);
+        let vertical = Attitude::from_degrees(roll_deg, 0.0).vertical();
+        let mut frame = Frame::new(6);
+        frame.time = time;
+        for (reading, (_, direction)) in frame.readings.iter_mut().zip(Direction::NAMED) {
+            let object_c = 16.0 - contrast_k / 2.0 * (1.0 + direction.dot(vertical));
+            *reading = Ok(Sample { value: Value::Absolute { object_c, ambient_c: None }, time });
+        }
+        for (sensor, reason) in missing {
+            frame.readings[*sensor] = Err(*reason);
+        }
+        self.horizon.update(&frame, &[], &mut self.estimate);
+        &self.estimate
+    }
+
+    /// As many frames as `seconds` hold; the estimate after the last.
+    fn for_s(&mut self, seconds: f64, roll_deg: f64, contrast_k: f64, missing: &[(usize, Missing)]) -> &Estimate {
+        for _ in 0..(seconds * 50.0).round() as u32 {
+            self.fly(roll_deg, contrast_k, missing);
+        }
+        &self.estimate
+    }
+
+    fn kinds(&self) -> Vec<FaultKind> {
+        self.estimate.faults.iter().map(|f| f.kind).collect()
+    }
+}
+
+#[test]
+fn the_first_good_frame_is_nominal() {
+    let mut f = Flight::new();
+    let e = f.fly(10.0, 30.0, &[]);
+    assert_eq!((e.mode, e.faults.len()), (Mode::Nominal, 0));
+    assert!(e.attitude.is_some());
+    assert_eq!(e.time, Time::from_secs_f64(100.02));
+}
+
+#[test]
+fn one_missed_read_says_nothing_new_and_is_no_fault() {
+    let mut f = Flight::new();
+    let before = f.for_s(1.0, 10.0, 30.0, &[]).clone();
+    assert_eq!(*f.fly(20.0, 30.0, &[(2, Missing::BadPec)]), before, "the old estimate with its old stamp");
+    assert!(f.fly(20.0, 30.0, &[]).time > before.time);
+}
+
+#[test]
+fn a_sensor_that_is_silent_for_a_tenth_of_a_second_is_lost_and_comes_back() {
+    let mut f = Flight::new();
+    f.for_s(1.0, 10.0, 30.0, &[]);
+    let lost = f.for_s(0.2, 10.0, 30.0, &[(2, Missing::BadPec)]).clone();
+    assert_eq!((lost.mode, lost.attitude), (Mode::Faulted, None));
+    assert_eq!(f.kinds(), [FaultKind::SensorLost(2)]);
+    assert!(lost.faults[0].evidence.to_string().starts_with("PEC mismatch"));
+    let back = f.for_s(0.2, 10.0, 30.0, &[]);
+    assert_eq!((back.mode, back.faults.len()), (Mode::Nominal, 0));
+}
+
+#[test]
+fn a_sensor_at_its_end_is_saturated_not_lost() {
+    let mut f = Flight::new();
+    f.for_s(0.3, 0.0, 30.0, &[(4, Missing::Saturated)]);
+    assert_eq!(f.kinds(), [FaultKind::SensorSaturated(4)]);
+}
+
+#[test]
+fn fog_withholds_from_its_first_frame_and_is_named_soon() {
+    let mut f = Flight::new();
+    let before = f.for_s(1.0, 20.0, 30.0, &[]).time;
+    f.fly(20.0, 0.3, &[]);
+    assert_eq!(f.estimate.time, before, "suspected: nothing new is said");
+    f.for_s(0.3, 20.0, 0.3, &[]);
+    assert_eq!((f.kinds(), f.estimate.attitude), (vec![FaultKind::LowContrast], None));
+    // The range needs its time constant to come back; then a second without doubt.
+    f.for_s(5.0, 20.0, 30.0, &[]);
+    assert_eq!((f.estimate.mode, f.kinds()), (Mode::Nominal, vec![]));
+}
+
+#[test]
+fn a_moment_without_contrast_is_no_fault() {
+    let mut f = Flight::new();
+    f.for_s(1.0, 0.0, 30.0, &[]);
+    f.for_s(0.1, 0.0, 0.5, &[]);
+    f.fly(0.0, 30.0, &[]);
+    assert_eq!((f.estimate.mode, f.kinds()), (Mode::Nominal, vec![]));
+}
+
+#[test]
+fn ground_colder_than_the_sky_withholds() {
+    let mut f = Flight::new();
+    f.for_s(1.0, 0.0, 5.0, &[]);
+    f.for_s(0.2, 0.0, -6.0, &[]);
+    assert!(f.kinds().contains(&FaultKind::InvertedContrast), "{:?}", f.kinds());
+    assert_eq!(f.estimate.attitude, None);
+    f.for_s(30.0, 0.0, -6.0, &[]);
+    assert!(f.estimate.contrast_k.unwrap() < -5.0, "shown with its sign");
+    assert_eq!(f.estimate.attitude, None, "however long it lasts");
+}
+
+#[test]
+fn from_contrast_to_none_to_reversed_there_is_no_gap_in_which_an_attitude_is_given() {
+    let mut f = Flight::new();
+    f.for_s(2.0, 15.0, 5.0, &[]);
+    let mut withheld_since = None;
+    for i in 0..200 {
+        let contrast_k = 5.0 - 7.0 * f64::from(i) / 100.0;
+        let e = f.fly(15.0, contrast_k.max(-2.0), &[]);
+        match (withheld_since, e.attitude) {
+            (None, None) => withheld_since = Some(contrast_k),
+            (Some(_), Some(_)) => panic!("given again at {contrast_k} K"),
+            _ => {}
+        }
+    }
+    assert!(withheld_since.is_some_and(|k| k > 0.0), "withheld before the contrast crosses zero: {withheld_since:?}");
+}
+
+#[test]
+fn steep_banks_in_good_contrast_are_no_fault() {
+    let mut f = Flight::new();
+    f.for_s(2.0, 0.0, 20.0, &[]);
+    for i in 0..1000 {
+        f.fly(60.0 * (f64::from(i) * 0.02).sin(), 20.0, &[]);
+        assert_eq!(f.kinds(), []);
+    }
+}
+
+#[test]
+fn silence_of_all_is_stale() {
+    let mut f = Flight::new();
+    f.for_s(1.0, 0.0, 30.0, &[]);
+    let all: Vec<_> = (0..6).map(|i| (i, Missing::NoAnswer)).collect();
+    f.for_s(0.7, 0.0, 30.0, &all);
+    assert_eq!(f.kinds().len(), 7);
+    assert_eq!(f.kinds()[6], FaultKind::Stale);
+    assert_eq!(f.estimate.attitude, None);
+}
+
+#[test]
+fn a_bus_that_is_down_is_one_fault_not_one_a_sensor() {
+    let mut head = Head::six();
+    head.buses.push("/dev/i2c-1".into());
+    for sensor in &mut head.sensors {
+        sensor.bus = Some(0);
+    }
+    let mut horizon = Horizon::new(&Settings::default(), head);
+    let mut estimate = Estimate::default();
+    for i in 0..20 {
+        let mut frame = Frame::new(6);
+        frame.readings.fill(Err(Missing::BusGone));
+        frame.time = Time::from_secs_f64(1.0 + f64::from(i) * 0.02);
+        horizon.update(&frame, &[Some(Missing::BusGone)], &mut estimate);
+    }
+    let kinds: Vec<_> = estimate.faults.iter().map(|f| f.kind).collect();
+    assert_eq!(kinds, [FaultKind::BusDown(0)]);
+    assert_eq!(estimate.mode, Mode::Faulted);
+}
+
+#[test]
+fn trims_are_taken_off() {
+    let mut settings = Settings::default();
+    settings.head.roll_trim_deg = 3.0;
+    settings.head.pitch_trim_deg = -2.0;
+    let mut f = Flight::new();
+    f.horizon = Horizon::new(&settings, Head::six());
+    let a = f.fly(10.0, 30.0, &[]).attitude.unwrap();
+    // The range was learnt in that bank: asin(tan 10°).
+    let expected = 10.0_f64.to_radians().tan().asin().to_degrees() - 3.0;
+    assert!((a.roll.to_degrees() - expected).abs() < 0.05 && (a.pitch.to_degrees() - 2.0).abs() < 1e-9);
+}

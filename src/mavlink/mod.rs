@@ -1,0 +1,17 @@
+//! Attitude, heartbeat and faults as MAVLink 2 messages.
+//!
+//! - [`messages`]: what an estimate is in MAVLink's terms; pure.
+//! - [`session`]: which messages are due when; pure.
+//! - [`decimator`]: a slower stream out of a faster one; pure.
+//! - [`encode`]: messages as bytes, numbered.
+//! - [`trouble`]: what can go wrong with an endpoint, in words.
+//! - [`endpoint`]: the UDP sockets, with their statistics.
+//! - [`publisher`]: the thread that ties them to the shared state.
+
+pub mod decimator;
+pub mod encode;
+pub mod endpoint;
+pub mod messages;
+pub mod publisher;
+pub mod session;
+pub mod trouble;

@@ -1,0 +1,219 @@
+//! Frames out of a recording, row by row, without allocation per row. One bad row costs that row.
+
+use super::error::ReadError;
+use super::format::{self, AIDING, Column, REFERENCE};
+use super::lines::{Line, Lines, cells};
+use super::number::{parse, parse_nanos};
+use super::tally::{RowFault, Tally};
+use crate::frame::{Frame, Missing, Sample, Value};
+use crate::head::{Head, SensorKind};
+use crate::time::Time;
+use std::io::BufRead;
+use std::ops::RangeInclusive;
+
+/// Temperatures that a thermopile can be asked to believe, °C.
+const TEMPERATURES_C: RangeInclusive<f64> = -273.15..=1000.0;
+/// Voltages that an ADC can give, V.
+const VOLTS: RangeInclusive<f64> = -100.0..=100.0;
+/// Everything else.
+const OTHERS: RangeInclusive<f64> = -1e7..=1e7;
+/// A step forward that the next row must bear out, ns: an hour.
+const LEAP_NANOS: u64 = 3_600_000_000_000;
+
+/// What an instrument of better knowledge said, °. Never part of a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reference {
+    /// Roll, right wing down positive.
+    pub roll_deg: Option<f64>,
+    /// Pitch, nose up positive.
+    pub pitch_deg: Option<f64>,
+    /// Yaw, clockwise from north.
+    pub yaw_deg: Option<f64>,
+}
+
+/// The frames of a recording.
+#[derive(Debug)]
+pub struct Reader<R> {
+    lines: Lines<R>,
+    file: String,
+    columns: Vec<Column>,
+    head: Head,
+    /// Whether this program wrote it: then every row ends its line.
+    ours: bool,
+    notices: Vec<String>,
+    objects: Vec<Result<f64, Missing>>,
+    ambients: Vec<Option<f64>>,
+    aiding: [Option<f64>; AIDING.len()],
+    reference: Reference,
+    /// The time of the last frame, ns.
+    last: Option<u64>,
+    /// A time far ahead that the next row may bear out, ns.
+    suspect: Option<u64>,
+    tally: Tally,
+}
+
+impl<R: BufRead> Reader<R> {
+    pub(super) fn new(
+        lines: Lines<R>,
+        file: String,
+        columns: Vec<Column>,
+        head: Head,
+        ours: bool,
+        notices: Vec<String>,
+    ) -> Self {
+        let sensors = head.sensors.len();
+        Self {
+            lines,
+            file,
+            columns,
+            head,
+            ours,
+            notices,
+            objects: vec![Err(Missing::Empty); sensors],
+            ambients: vec![None; sensors],
+            aiding: [None; AIDING.len()],
+            reference: Reference::default(),
+            last: None,
+            suspect: None,
+            tally: Tally::default(),
+        }
+    }
+
+    /// The sensors, in the order of each frame's readings.
+    pub fn head(&self) -> &Head {
+        &self.head
+    }
+
+    /// What the user should be told of the columns, a line each.
+    pub fn notices(&self) -> &[String] {
+        &self.notices
+    }
+
+    /// What could not be used until here.
+    pub fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    /// The reference beside the frame read last.
+    pub fn reference(&self) -> Reference {
+        self.reference
+    }
+
+    /// Reads the next usable row into `frame`; `false` at the end of the recording.
+    pub fn next_frame(&mut self, frame: &mut Frame) -> Result<bool, ReadError> {
+        loop {
+            let ended = match self.lines.advance() {
+                Ok(ended) => ended,
+                Err(source) => {
+                    return Err(ReadError::Io { file: self.file.clone(), line: self.lines.number, source });
+                }
+            };
+            if ended == Line::End {
+                return Ok(false);
+            }
+            let line = self.lines.line();
+            if ended != Line::TooLong && (line.trim_ascii().is_empty() || line.starts_with(b"#")) {
+                continue;
+            }
+            self.tally.rows += 1;
+            match self.row(ended) {
+                Ok(nanos) => {
+                    self.fill(nanos, frame);
+                    return Ok(true);
+                }
+                Err(fault) => self.tally.add(fault, self.lines.number),
+            }
+        }
+    }
+
+    /// Takes the line apart; gives its time.
+    fn row(&mut self, ended: Line) -> Result<u64, RowFault> {
+        if ended == Line::TooLong {
+            return Err(RowFault::TooLong);
+        }
+        let mut time = None;
+        let mut bad_cells = 0;
+        let mut reference = [None; REFERENCE.len()];
+        self.objects.fill(Err(Missing::Empty));
+        let mut found = 0;
+        let mut aiding = [None; AIDING.len()];
+        for (i, cell) in cells(self.lines.line()).enumerate() {
+            let Some(column) = self.columns.get(i) else {
+                // A comma at the end of each row is harmless.
+                if cell.is_empty() {
+                    continue;
+                }
+                return Err(RowFault::Ragged);
+            };
+            found = i + 1;
+            if cell.is_empty() {
+                continue;
+            }
+            let mut number = |range: RangeInclusive<f64>| match parse(cell) {
+                Some(v) if range.contains(&v) => Ok(v),
+                other => {
+                    bad_cells += 1;
+                    Err(if other.is_some() { Missing::Impossible } else { Missing::Empty })
+                }
+            };
+            match *column {
+                Column::Time => time = parse_nanos(cell),
+                Column::Object(s) => self.objects[s] = number(TEMPERATURES_C),
+                Column::Volts(s) => self.objects[s] = number(VOLTS),
+                Column::Ambient(s) => self.ambients[s] = number(TEMPERATURES_C).ok().or(self.ambients[s]),
+                Column::Aiding(a) => aiding[a] = number(OTHERS).ok(),
+                Column::Reference(r) => reference[r] = number(OTHERS).ok(),
+                Column::Unknown => {}
+            }
+        }
+        if found < self.columns.len() {
+            return Err(if ended == Line::Cut { RowFault::Truncated } else { RowFault::Ragged });
+        }
+        // Our own rows end their lines: without the end, the last number may be cut short.
+        if ended == Line::Cut && self.ours {
+            return Err(RowFault::Truncated);
+        }
+        let time = time.ok_or(RowFault::NoTime)?;
+        self.order(time)?;
+        self.tally.cells += bad_cells;
+        let [roll_deg, pitch_deg, yaw_deg] = reference;
+        self.reference = Reference { roll_deg, pitch_deg, yaw_deg };
+        self.aiding = aiding;
+        Ok(time)
+    }
+
+    /// Whether a row of this time comes after the one before.
+    fn order(&mut self, time: u64) -> Result<(), RowFault> {
+        if let Some(last) = self.last {
+            if time <= last {
+                return Err(RowFault::Backwards);
+            }
+            let follows = |earlier: u64| time > earlier && time - earlier <= LEAP_NANOS;
+            if !follows(last) && !self.suspect.is_some_and(follows) {
+                self.suspect = Some(time);
+                return Err(RowFault::Ahead);
+            }
+        }
+        self.last = Some(time);
+        self.suspect = None;
+        Ok(())
+    }
+
+    fn fill(&self, nanos: u64, frame: &mut Frame) {
+        let time = Time::from_nanos(nanos);
+        frame.time = time;
+        frame.aiding = format::to_aiding(self.aiding);
+        frame.readings.clear();
+        frame.readings.extend(self.objects.iter().zip(&self.ambients).zip(&self.head.sensors).map(
+            |((value, ambient_c), sensor)| {
+                value.map(|v| Sample {
+                    value: match sensor.kind {
+                        SensorKind::Absolute => Value::Absolute { object_c: v, ambient_c: *ambient_c },
+                        SensorKind::Pair { .. } => Value::Volts(v),
+                    },
+                    time,
+                })
+            },
+        ));
+    }
+}

@@ -1,0 +1,115 @@
+//! What could not be used of a recording, counted, with the line where each was first met.
+
+use std::fmt;
+
+/// Why a row could not be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RowFault {
+    /// Its time is absent or no number of seconds.
+    NoTime,
+    /// Its time is not after the row's before.
+    Backwards,
+    /// Its time lies more than an hour ahead, and the next row's does not bear it out.
+    Ahead,
+    /// It has more or fewer cells than the header.
+    Ragged,
+    /// The file ends within it.
+    Truncated,
+    /// It is longer than any row can be.
+    TooLong,
+}
+
+impl RowFault {
+    const ALL: [(Self, &'static str); 6] = [
+        (Self::NoTime, "without time"),
+        (Self::Backwards, "not after the row before"),
+        (Self::Ahead, "alone in the future"),
+        (Self::Ragged, "with too many or too few cells"),
+        (Self::Truncated, "truncated"),
+        (Self::TooLong, "too long"),
+    ];
+}
+
+/// How many rows there were, and how many of them gave no frame.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Rows met, blank lines and comments not among them.
+    pub rows: u64,
+    /// Cells of known columns that held no usable number.
+    pub cells: u64,
+    faults: [(u64, u64); RowFault::ALL.len()],
+}
+
+impl Tally {
+    /// How many rows had `fault`.
+    pub fn count(&self, fault: RowFault) -> u64 {
+        self.faults[fault as usize].0
+    }
+
+    /// How many rows gave no frame.
+    pub fn unusable(&self) -> u64 {
+        self.faults.iter().map(|(n, _)| n).sum()
+    }
+
+    /// Whether everything could be used.
+    pub fn is_clean(&self) -> bool {
+        self.cells == 0 && self.unusable() == 0
+    }
+
+    pub(super) fn add(&mut self, fault: RowFault, line: u64) {
+        let (count, first) = &mut self.faults[fault as usize];
+        if *count == 0 {
+            *first = line;
+        }
+        *count += 1;
+    }
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unusable = self.unusable();
+        match unusable {
+            0 => write!(f, "all {} rows were usable", self.rows)?,
+            1 => write!(f, "1 of {} rows was unusable: ", self.rows)?,
+            n => write!(f, "{n} of {} rows were unusable: ", self.rows)?,
+        }
+        let met = RowFault::ALL.iter().filter(|(fault, _)| self.count(*fault) > 0);
+        for (i, (fault, words)) in met.enumerate() {
+            let (count, first) = self.faults[*fault as usize];
+            write!(f, "{}{count} {words} (", if i > 0 { ", " } else { "" })?;
+            write!(f, "{}line {first})", if count > 1 { "first at " } else { "" })?;
+        }
+        match self.cells {
+            0 => Ok(()),
+            1 => write!(f, "; 1 cell held no usable number"),
+            n => write!(f, "; {n} cells held no usable number"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_words_stand_where_their_faults_do() {
+        for (i, (fault, _)) in RowFault::ALL.iter().enumerate() {
+            assert_eq!(*fault as usize, i);
+        }
+    }
+
+    #[test]
+    fn it_says_how_many_of_how_many_and_where() {
+        let mut t = Tally { rows: 180_000, ..Tally::default() };
+        assert_eq!(t.to_string(), "all 180000 rows were usable");
+        t.add(RowFault::NoTime, 7);
+        t.add(RowFault::NoTime, 9);
+        t.add(RowFault::Truncated, 180_001);
+        t.cells = 1;
+        assert_eq!(
+            t.to_string(),
+            "3 of 180000 rows were unusable: 2 without time (first at line 7), 1 truncated (line 180001); \
+             1 cell held no usable number"
+        );
+    }
+}

@@ -1,0 +1,164 @@
+//! A made-up flight as a source of frames.
+
+use super::flight::Flight;
+use super::head::SimulatedHead;
+use super::script::{Outage, Weather};
+use crate::attitude::Attitude;
+use crate::config::settings::{SimulationSettings, SkyName};
+use crate::frame::{Frame, Missing, Sample};
+use crate::head::Head;
+use crate::sky::{Averaging, FieldOfView, Response, Sky};
+use crate::source::{FrameSource, Integrity, SensorHealth};
+use crate::time::Time;
+
+/// Flies through a made-up sky. The same settings, seed and ticks give the same bytes.
+#[derive(Clone, Debug)]
+pub struct SimulatedSource {
+    flight: Flight,
+    field: FieldOfView,
+    sky: Sky,
+    response: Response,
+    head: SimulatedHead,
+    /// In order of time; empty: the sky's own values for ever.
+    weather: Vec<Weather>,
+    outages: Vec<Outage>,
+    /// When the flight began.
+    origin: Option<Time>,
+    last_tick: Option<Time>,
+    health: Vec<SensorHealth>,
+    /// Each sensor's bus.
+    bus_of: Vec<Option<usize>>,
+    buses_down: Vec<Option<Missing>>,
+}
+
+impl SimulatedSource {
+    /// The demonstration flight under the sky of the settings, seen by `head`, whose sensors all have
+    /// the same `field`. Averages temperature, as the report does. Takes a few milliseconds.
+    pub fn new(settings: &SimulationSettings, head: &Head, field: FieldOfView) -> Self {
+        let sky = match settings.sky {
+            SkyName::Namibia => Sky::NAMIBIA,
+            SkyName::Durham => Sky::DURHAM,
+        };
+        let health = SensorHealth { integrity: Integrity::None, settling_s: settings.lag_s, ..SensorHealth::default() };
+        Self {
+            flight: Flight::demo(settings.seed),
+            field,
+            sky,
+            response: Response::new(sky.shape, field, Averaging::Temperature),
+            head: SimulatedHead::new(head, settings.lag_s, settings.noise_c, settings.seed),
+            weather: Vec::new(),
+            outages: Vec::new(),
+            origin: None,
+            last_tick: None,
+            health: vec![health; head.sensors.len()],
+            bus_of: head.sensors.iter().map(|s| s.bus).collect(),
+            buses_down: vec![None; head.buses.len()],
+        }
+    }
+
+    /// Another flight.
+    pub fn with_flight(mut self, flight: Flight) -> Self {
+        self.flight = flight;
+        self
+    }
+
+    /// Another sky, or sensors that average radiance.
+    pub fn with_sky(mut self, sky: Sky, averaging: Averaging) -> Self {
+        self.sky = sky;
+        self.response = Response::new(sky.shape, self.field, averaging);
+        self
+    }
+
+    /// Weather that changes: in place of the sky's ground temperature and `SkyMax`.
+    pub fn with_weather(mut self, mut weather: Vec<Weather>) -> Self {
+        weather.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        self.weather = weather;
+        self
+    }
+
+    /// Sensors that fail.
+    pub fn with_outages(mut self, outages: Vec<Outage>) -> Self {
+        self.outages = outages;
+        self
+    }
+
+    /// The smallest step of a pair's channel, V; 0 for none. An ADS1115's at ±2.048 V when not said.
+    pub fn with_volts_step(mut self, volts_step: f64) -> Self {
+        self.head.set_volts_step(volts_step);
+        self
+    }
+
+    /// When the flight begins; the first tick when not said.
+    pub fn with_origin(mut self, origin: Time) -> Self {
+        self.origin = Some(origin);
+        self
+    }
+
+    /// The attitude truly flown at `time`. Before the first scan, with no origin given, the flight
+    /// begins at the clock's zero.
+    pub fn truth_at(&self, time: Time) -> Attitude {
+        self.flight.attitude(self.flown_s(time))
+    }
+
+    /// The weather at `time`.
+    pub fn weather_at(&self, time: Time) -> Weather {
+        let time_s = self.flown_s(time);
+        Weather::at(&self.weather, time_s).unwrap_or(Weather {
+            time_s,
+            ground_c: self.sky.ground_c,
+            sky_max_k: self.sky.sky_max_k,
+        })
+    }
+
+    fn flown_s(&self, time: Time) -> f64 {
+        time.since(self.origin.unwrap_or_default())
+    }
+}
+
+impl FrameSource for SimulatedSource {
+    fn scan(&mut self, tick: Time, frame: &mut Frame) {
+        self.origin.get_or_insert(tick);
+        let dt_s = self.last_tick.map_or(0.0, |last| tick.since(last));
+        self.last_tick = Some(tick);
+        let (flown_s, weather, vertical) = (self.flown_s(tick), self.weather_at(tick), self.truth_at(tick).vertical());
+        self.head.advance(&weather, dt_s);
+        self.buses_down.fill(None);
+        for (i, (reading, health)) in frame.readings.iter_mut().zip(&mut self.health).enumerate() {
+            // A sensor that does not answer goes on looking.
+            let value = self.head.sense(i, vertical, &self.response, &weather, dt_s);
+            *reading = match Outage::at(&self.outages, i, flown_s) {
+                None => {
+                    health.counters.reads += 1;
+                    Ok(Sample { value, time: tick })
+                }
+                Some(reason) => {
+                    let counter = match reason {
+                        Missing::NoAnswer => &mut health.counters.no_answer,
+                        Missing::BadPec => &mut health.counters.bad_pec,
+                        Missing::BusHeld => &mut health.counters.held,
+                        Missing::ErrorFlag => &mut health.counters.error_flag,
+                        Missing::NotReady => &mut health.counters.not_ready,
+                        Missing::Saturated | Missing::Impossible => &mut health.counters.out_of_range,
+                        _ => &mut health.counters.other,
+                    };
+                    *counter += 1;
+                    if let (Missing::BusGone | Missing::BusHeld | Missing::Denied, Some(bus)) = (reason, self.bus_of[i])
+                        && let Some(down) = self.buses_down.get_mut(bus)
+                    {
+                        *down = Some(reason);
+                    }
+                    Err(reason)
+                }
+            };
+        }
+        frame.time = tick;
+    }
+
+    fn health(&self) -> &[SensorHealth] {
+        &self.health
+    }
+
+    fn buses_down(&self) -> &[Option<Missing>] {
+        &self.buses_down
+    }
+}

@@ -1,0 +1,337 @@
+//! The D-Bus service beside real clients on a real bus.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+mod dbus_bus;
+
+use dbus_bus::{Bus, Daemon};
+use irhorizon::attitude::{Attitude, Mode};
+use irhorizon::bus::Counters;
+use irhorizon::ctl::client::{Client, ClientError};
+use irhorizon::dbus::DbusError;
+use irhorizon::fault::{ActiveFault, Evidence, FaultKind};
+use irhorizon::frame::{Missing, Sample, Value};
+use irhorizon::source::{Integrity, SensorHealth};
+use irhorizon::state::Snapshot;
+use irhorizon::time::Time;
+use std::time::{Duration, Instant};
+
+/// The service ends within 0.2 s; a busy machine may take a little more.
+const SOON: Duration = Duration::from_millis(300);
+
+fn level(s: &mut Snapshot) {
+    s.estimate.attitude = Some(Attitude::from_degrees(12.5, -3.0));
+    s.estimate.sigma = Attitude::from_degrees(0.5, 0.25);
+    s.estimate.contrast_k = Some(31.5);
+    s.estimate.mode = Mode::Nominal;
+    s.estimate.time = Time::from_nanos(5_000_000_999);
+    s.estimate.faults.clear();
+    s.rate_hz = 50.0;
+}
+
+fn lose_down(s: &mut Snapshot) {
+    let evidence = Evidence::Missing { reason: Missing::NoAnswer, failures: 7 };
+    s.estimate.faults =
+        vec![ActiveFault { kind: FaultKind::SensorLost(2), since: Time::from_nanos(4_000_000_000), evidence }];
+    s.estimate.mode = Mode::Degraded;
+}
+
+#[test]
+fn busctl_reads_what_was_estimated() {
+    let bus = Bus::new();
+    let daemon = Daemon::start(&bus);
+    assert_eq!(daemon.first, Some(Ok(())));
+    assert_eq!((bus.property("RollDeg"), bus.property("Mode")), ("d nan".into(), "s \"starting\"".into()));
+    daemon.frame(|s| {
+        level(s);
+        lose_down(s);
+    });
+    for (name, value) in [
+        ("RollDeg", "d 12.5"),
+        ("PitchDeg", "d -3"),
+        ("RollSigmaDeg", "d 0.5"),
+        ("PitchSigmaDeg", "d 0.25"),
+        ("ContrastC", "d 31.5"),
+        ("Mode", "s \"degraded\""),
+        ("Faults", "as 1 \"sensor-lost:down\""),
+        ("FaultDetails", "a(sts) 1 \"sensor-lost:down\" 4000000 \"no answer, 7 reads in a row\""),
+        ("Method", "s \"inverse-sine\""),
+        ("SampleTimeUsec", "t 5000000"),
+        ("RateHz", "d 50"),
+        ("Version", &format!("s \"{}\"", env!("CARGO_PKG_VERSION"))),
+        ("Endpoints", "a(stts) 1 \"udpout:127.0.0.1:14550\" 42 1 \"connection refused\""),
+    ] {
+        assert_eq!(bus.property(name), value, "{name}");
+    }
+    let set = ["set-property", "org.irhorizon1", "/org/irhorizon1", "org.irhorizon1.Horizon", "RollDeg", "d", "1"];
+    assert!(bus.busctl(&set).is_err(), "read-only");
+    let tree = bus.busctl(&["tree", "--list", "org.irhorizon1"]).unwrap();
+    for path in ["/org/irhorizon1", "/org/irhorizon1/sensor/nose", "/org/irhorizon1/sensor/long"] {
+        assert!(tree.lines().any(|l| l == path), "{tree}");
+    }
+}
+
+#[test]
+fn withheld_attitude_is_nan_and_never_the_last_value() {
+    let bus = Bus::new();
+    let daemon = Daemon::start(&bus);
+    daemon.frame(level);
+    assert_eq!(bus.property("RollDeg"), "d 12.5");
+    daemon.frame(|s| {
+        s.estimate.attitude = None;
+        s.estimate.mode = Mode::Faulted;
+    });
+    for name in ["RollDeg", "PitchDeg", "RollSigmaDeg", "PitchSigmaDeg"] {
+        assert_eq!(bus.property(name), "d nan", "{name}");
+    }
+    assert_eq!(bus.property("ContrastC"), "d 31.5");
+}
+
+#[test]
+fn a_sampling_loop_that_hangs_is_not_believed() {
+    let bus = Bus::new();
+    let daemon = Daemon::start(&bus);
+    let measured = |s: &mut Snapshot| {
+        level(s);
+        s.frame.readings[0] =
+            Ok(Sample { value: Value::Absolute { object_c: 11.5, ambient_c: None }, time: Time::default() });
+    };
+    daemon.frame(measured);
+    let monitor = bus.monitor();
+    // The limit is 1 s.
+    std::thread::sleep(Duration::from_millis(1_300));
+    let status = bus.client().status().unwrap();
+    assert_eq!((status.mode.as_str(), status.roll_deg, status.contrast_c), ("faulted", None, None));
+    assert_eq!(status.faults[0].name, "stale");
+    assert_eq!((status.sensors[0].state.as_str(), status.sensors[0].object_c), ("stale", None));
+    let signals = monitor.stop();
+    assert_eq!(signals[0]["Mode"]["data"], "faulted");
+    daemon.frame(measured);
+    let status = bus.client().status().unwrap();
+    assert_eq!((status.mode.as_str(), status.roll_deg, status.faults.len()), ("nominal", Some(12.5), 0));
+}
+
+#[test]
+fn a_client_sees_the_whole_state_with_the_sensors_in_order() {
+    let bus = Bus::new();
+    let daemon = Daemon::start(&bus);
+    daemon.frame(|s| {
+        level(s);
+        lose_down(s);
+        let time = Time::from_nanos(5_000_000_000);
+        s.frame.readings = vec![
+            Ok(Sample { value: Value::Absolute { object_c: -7.25, ambient_c: Some(21.0) }, time }),
+            Ok(Sample { value: Value::Volts(1.625), time }),
+            Err(Missing::NoAnswer),
+        ];
+        let counters = Counters { reads: 100, bad_pec: 3, ..Counters::default() };
+        s.health[0] = SensorHealth {
+            integrity: Integrity::SoftwarePec,
+            counters,
+            settling_s: 0.31,
+            emissivity: Some(1.0),
+            identity: Some(0x1234_0000_0000_00ab),
+        };
+    });
+    let status = bus.client().status().unwrap();
+    assert_eq!((status.roll_deg, status.pitch_sigma_deg), (Some(12.5), Some(0.25)));
+    assert!(status.sample_age_s > 0.0 && status.faults[0].for_s > status.sample_age_s);
+    assert_eq!((status.endpoints[0].sent, status.endpoints[0].last_error.as_str()), (42, "connection refused"));
+    let names: Vec<_> = status.sensors.iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(names, ["nose", "long", "down"]);
+    let [nose, long, down] = &status.sensors[..] else { panic!("three sensors") };
+    assert_eq!((nose.kind.as_str(), nose.bus.as_str(), nose.address), ("mlx90614", "/dev/i2c-1", 0x5b));
+    assert_eq!((nose.object_c, nose.ambient_c, nose.volts), (Some(-7.25), Some(21.0), None));
+    assert_eq!((nose.integrity.as_str(), nose.settling_s, nose.emissivity), ("software-pec", 0.31, Some(1.0)));
+    assert_eq!(nose.identity, "12340000000000ab");
+    assert!(nose.counters.contains(&("bad-pec".into(), 3)) && nose.counters.contains(&("reads".into(), 100)));
+    assert_eq!((long.volts, long.object_c, long.state.as_str()), (Some(1.625), None, "ok"));
+    assert_eq!((down.state.as_str(), down.object_c, down.emissivity), ("no answer", None, None));
+}
+
+#[test]
+fn one_signal_an_update_and_none_without_a_change() {
+    let bus = Bus::new();
+    let daemon = Daemon::start(&bus);
+    daemon.frame(level);
+    std::thread::sleep(Duration::from_millis(150));
+    let monitor = bus.monitor();
+    let start = Instant::now();
+    for i in 1..=50 {
+        daemon.shared.update(|s| {
+            s.sequence += 1;
+            s.written = irhorizon::clock::now();
+            s.estimate.attitude = Some(Attitude::from_degrees(20.0 + f64::from(i), -20.0 - f64::from(i)));
+            s.estimate.time = Time::from_nanos(i as u64 * 20_000_000);
+        });
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    // A second or so at 10 Hz.
+    let (due, signals) = (start.elapsed().as_secs_f64() * 10.0, monitor.stop());
+    assert!((due * 0.7..=due + 2.0).contains(&(signals.len() as f64)), "{} signals of {due}", signals.len());
+    for s in &signals {
+        let mut names: Vec<_> = s.keys().map(String::as_str).collect();
+        names.sort_unstable();
+        assert_eq!(names, ["PitchDeg", "RollDeg", "SampleTimeUsec"], "all that changed, nothing else");
+        assert_eq!(s["RollDeg"]["data"].as_f64().unwrap().round(), -s["PitchDeg"]["data"].as_f64().unwrap().round());
+    }
+    let monitor = bus.monitor();
+    for _ in 0..10 {
+        daemon.frame(|_| ());
+    }
+    assert_eq!(monitor.stop().len(), 0, "nothing has changed");
+}
+
+#[test]
+fn a_fault_is_signalled_at_once() {
+    let bus = Bus::new();
+    let daemon = Daemon::start(&bus);
+    let mut slow = dbus_bus::info();
+    slow.update = Duration::from_secs(10);
+    *daemon.control.info.lock().unwrap() = slow.into();
+    daemon.frame(|_| ());
+    daemon.frame(level);
+    let monitor = bus.monitor();
+    daemon.frame(lose_down);
+    daemon.frame(|s| s.estimate.attitude = Some(Attitude::from_degrees(1.0, 1.0)));
+    daemon.frame(level);
+    let signals = monitor.stop();
+    assert_eq!(signals.len(), 2, "{signals:?}");
+    assert_eq!(signals[0]["Mode"]["data"], "degraded");
+    assert_eq!(signals[0]["Faults"]["data"][0], "sensor-lost:down");
+    assert_eq!(signals[1]["Mode"]["data"], "nominal");
+}
+
+#[test]
+fn the_name_belongs_to_the_first() {
+    let bus = Bus::new();
+    let first = Daemon::start(&bus);
+    first.frame(level);
+    let second = Daemon::start(&bus);
+    let Some(Err(error @ DbusError::NameOwned { .. })) = &second.first else { panic!("{:?}", second.first) };
+    assert!(error.fatal());
+    let text = error.to_string();
+    assert!(text.starts_with("org.irhorizon1 is owned already on the bus at unix:path="), "{text}");
+    assert!(text.contains(&format!("(pid {}, ", std::process::id())), "{text}");
+    assert!(text.ends_with("): is another irhorizond running? systemctl status irhorizond"), "{text}");
+    // REPLACE_EXISTING | DO_NOT_QUEUE: the answer 3 is EXISTS (D-Bus specification, RequestName).
+    let dbus = "org.freedesktop.DBus";
+    let request = ["call", dbus, "/org/freedesktop/DBus", dbus, "RequestName", "su", "org.irhorizon1", "6"];
+    assert_eq!(bus.busctl(&request).unwrap(), "u 3");
+    assert_eq!(bus.property("RollDeg"), "d 12.5");
+}
+
+#[test]
+fn nobody_there_tells_how_to_start_one() {
+    let bus = Bus::new();
+    let error = bus.client().status().unwrap_err();
+    assert!(error.no_daemon());
+    assert!(error.to_string().contains("no irhorizond on the bus at unix:path="), "{error}");
+    let error = ClientError::NoDaemon(irhorizon::config::settings::BusAddress::System).to_string();
+    let says = "no irhorizond on the system bus: start it with `systemctl start irhorizond`, or give --bus session";
+    assert_eq!(error, says);
+}
+
+#[test]
+fn the_service_is_back_after_the_bus_was_restarted() {
+    let mut bus = Bus::new();
+    let mut daemon = Daemon::start(&bus);
+    daemon.frame(level);
+    let mut client = bus.client();
+    client.status().unwrap();
+    for _ in 0..2 {
+        bus.kill();
+        assert!(client.status().unwrap_err().no_daemon());
+        std::thread::sleep(Duration::from_millis(300));
+        bus.start();
+        let start = Instant::now();
+        daemon.frame(level);
+        let status = bus.status(Duration::from_secs(2)).unwrap();
+        assert!(start.elapsed() < Duration::from_secs(2));
+        assert_eq!((status.mode.as_str(), status.sensors.len()), ("nominal", 3));
+        assert_eq!(client.status().unwrap().roll_deg, Some(12.5), "the same client goes on");
+    }
+    assert!(daemon.stop() < SOON);
+    assert!(matches!(client.status(), Err(ClientError::NoDaemon(_))));
+}
+
+#[test]
+fn a_bus_that_comes_later_is_joined() {
+    let mut bus = Bus::absent();
+    let mut daemon = Daemon::start(&bus);
+    let Some(Err(error @ DbusError::Unreachable { .. })) = &daemon.first else { panic!("{:?}", daemon.first) };
+    assert!(!error.fatal() && error.to_string().contains("cannot be reached"), "{error}");
+    let Err(ClientError::NoBus(..)) = Client::connect(&bus.choice()) else { panic!("no bus") };
+    bus.start();
+    assert_eq!(bus.status(Duration::from_secs(3)).unwrap().mode, "starting");
+    bus.kill();
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(daemon.stop() < SOON, "also while it waits for the bus");
+}
+
+#[test]
+fn a_bus_that_hangs_holds_up_nobody() {
+    let bus = Bus::new();
+    let mut daemon = Daemon::start(&bus);
+    let mut client = bus.client();
+    daemon.frame(level);
+    bus.signal("STOP");
+    let start = Instant::now();
+    let mut spent = Duration::ZERO;
+    for i in 0..500 {
+        let before = Instant::now();
+        daemon.shared.update(|s| {
+            s.sequence += 1;
+            s.written = irhorizon::clock::now();
+            s.estimate.mode = if i % 2 == 0 { Mode::Nominal } else { Mode::Degraded };
+        });
+        spent += before.elapsed();
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert!(spent < Duration::from_millis(500), "{spent:?} for 500 frames");
+    assert!(matches!(client.status(), Err(ClientError::Answer(_, how)) if how.contains("no answer within 3 s")));
+    assert!(matches!(Client::connect(&bus.choice()), Err(ClientError::NoBus(..))));
+    assert!(start.elapsed() < Duration::from_secs(8));
+    bus.signal("CONT");
+    daemon.frame(level);
+    assert_eq!(client.status().unwrap().mode, "nominal");
+    bus.signal("STOP");
+    assert!(daemon.stop() < SOON);
+    bus.signal("CONT");
+}
+
+#[test]
+fn a_stream_gives_the_header_and_then_the_lines() {
+    let bus = Bus::new();
+    let daemon = Daemon::start(&bus);
+    let mut frames = bus.client().frames().unwrap();
+    let mut line = String::new();
+    daemon.taps.offer(&mut line, |l| l.push_str("0.02,1.5\n"));
+    assert_eq!(frames.next_line().unwrap().as_deref(), Some("time_s,nose_obj_c\n"));
+    assert_eq!(frames.next_line().unwrap().as_deref(), Some("0.02,1.5\n"));
+    let more: Vec<_> = (0..7).map(|_| bus.client().frames().unwrap()).collect();
+    match bus.client().frames().map(drop) {
+        Err(ClientError::Busy(why)) => assert!(why.contains("8 recordings"), "{why}"),
+        other => panic!("{other:?}"),
+    }
+    drop(more);
+}
+
+#[test]
+fn a_reload_tells_its_outcome_and_changes_the_sensors() {
+    let bus = Bus::new();
+    let daemon = Daemon::start(&bus);
+    let mut client = bus.client();
+    client.reload().unwrap();
+    *daemon.control.reload.lock().unwrap() = Err("irhorizon.toml: line 3: rate-hz: 900 is above 200".into());
+    let error = client.reload().unwrap_err();
+    assert_eq!(error, ClientError::Config("irhorizon.toml: line 3: rate-hz: 900 is above 200".into()));
+    let call = ["call", "org.irhorizon1", "/org/irhorizon1", "org.irhorizon1.Control", "Reload"];
+    assert!(bus.busctl(&call).unwrap_err().contains("rate-hz: 900"));
+
+    let mut fewer = dbus_bus::info();
+    fewer.sensors.truncate(1);
+    *daemon.control.info.lock().unwrap() = fewer.into();
+    daemon.frame(|_| ());
+    let names: Vec<_> = client.status().unwrap().sensors.into_iter().map(|s| s.name).collect();
+    assert_eq!(names, ["nose"]);
+}
