@@ -14,15 +14,6 @@ const START: Duration = Duration::from_millis(300);
 /// How long all must answer for the patience to start over.
 const WELL: Duration = Duration::from_secs(10);
 
-/// Why a line could not be switched, in words.
-pub type PowerError = Box<dyn std::error::Error + Send + Sync>;
-
-/// A line that feeds sensors.
-pub trait PowerSwitch: Send {
-    /// Switches the supply on or off.
-    fn set(&mut self, on: bool) -> Result<(), PowerError>;
-}
-
 /// What to do with the line now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {

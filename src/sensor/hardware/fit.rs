@@ -1,25 +1,19 @@
 //! The source from the configuration.
 
 use super::{Fitted, HardwareSource, System};
+use crate::bus::WordBus;
 use crate::bus::explain::Place;
 use crate::bus::linux::LinuxBus;
 use crate::config::settings::{Ads1115Settings, DeviceSettings, LineSettings, Mlx90614Settings, Settings};
+use crate::gpio::Switch;
+use crate::gpio::output::OutputLine;
 use crate::head::Head;
 use crate::sensor::Chip;
+use crate::sensor::ads1115::Ads1115Chip;
 use crate::sensor::mlx90614::Mlx90614Chip;
-use crate::sensor::power::{PowerError, PowerSwitch};
 use crate::sensor::schedule::{DoesNotFit, Schedule};
 use std::fmt;
 use std::path::Path;
-
-/// Where the parts come from that other rooms make.
-pub trait Parts {
-    /// The ADS1115 that `sensors` share, in the order of its slots. It is not opened yet.
-    fn ads1115(&mut self, name: &str, sensors: &[&Ads1115Settings]) -> Result<Box<dyn Chip>, PowerError>;
-
-    /// A line that feeds sensors, switched on.
-    fn power(&mut self, line: &LineSettings) -> Result<Box<dyn PowerSwitch>, PowerError>;
-}
 
 /// Why the configured hardware cannot be read as configured.
 #[derive(Debug)]
@@ -49,12 +43,12 @@ impl std::error::Error for OpenError {}
 impl HardwareSource {
     /// The source of the configured sensors. Nothing need be plugged in: what is absent is missing
     /// from the frames until it is there.
-    pub fn open(settings: &Settings, head: &Head, parts: &mut dyn Parts) -> Result<Self, OpenError> {
+    pub fn open(settings: &Settings, head: &Head) -> Result<Self, OpenError> {
         let schedule =
             Schedule::plan(&settings.sensors, head, settings.rate_hz, settings.quiet).map_err(OpenError::Schedule)?;
         log::info!("{schedule}");
         let mut known_lines: Vec<(&LineSettings, Option<usize>)> = Vec::new();
-        let mut lines: Vec<Box<dyn PowerSwitch>> = Vec::new();
+        let mut lines: Vec<Box<dyn Switch>> = Vec::new();
         let mut chips = Vec::new();
         for (index, plan) in schedule.chips.iter().enumerate() {
             let name = schedule.chip_name(index);
@@ -63,9 +57,9 @@ impl HardwareSource {
                 if let Some((_, index)) = known_lines.iter().find(|(known, _)| *known == line) {
                     return *index;
                 }
-                let index = match parts.power(line) {
+                let index = match OutputLine::open(line, true) {
                     Ok(switch) => {
-                        lines.push(switch);
+                        lines.push(Box::new(switch));
                         Some(lines.len() - 1)
                     }
                     Err(e) => {
@@ -77,7 +71,7 @@ impl HardwareSource {
                 index
             });
             let devices: Vec<&DeviceSettings> = sensors.iter().map(|s| &s.device).collect();
-            let chip = chip(&name, &devices, parts).map_err(|why| OpenError::Chip { names: name.clone(), why })?;
+            let chip = chip(&name, &devices).map_err(|why| OpenError::Chip { names: name.clone(), why })?;
             let kind = match devices.first() {
                 Some(DeviceSettings::Ads1115(_)) => "ADS1115",
                 _ => "MLX90614",
@@ -98,7 +92,7 @@ fn announce(bus: &str) {
 }
 
 /// The chip that `devices` share.
-fn chip(name: &str, devices: &[&DeviceSettings], parts: &mut dyn Parts) -> Result<Box<dyn Chip>, String> {
+fn chip(name: &str, devices: &[&DeviceSettings]) -> Result<Box<dyn Chip>, String> {
     let mlx: Vec<&Mlx90614Settings> =
         devices.iter().filter_map(|d| if let DeviceSettings::Mlx90614(m) = d { Some(m) } else { None }).collect();
     let ads: Vec<&Ads1115Settings> =
@@ -107,7 +101,12 @@ fn chip(name: &str, devices: &[&DeviceSettings], parts: &mut dyn Parts) -> Resul
         (mlx, []) => Mlx90614Chip::from_settings(name, mlx)
             .map(|c| Box::new(c) as Box<dyn Chip>)
             .ok_or_else(|| "an MLX90614 has an object 1 and an object 2; set object to one of them".to_owned()),
-        ([], ads) => parts.ads1115(name, ads).map_err(|e| e.to_string()),
+        ([], ads) => {
+            let (bus, address) = (devices[0].bus().clone(), devices[0].address());
+            let open_bus = Box::new(move || Ok(Box::new(LinuxBus::open(&bus, address)?) as Box<dyn WordBus>));
+            let chip = Ads1115Chip::from_settings(ads, open_bus).map_err(|e| e.to_string())?;
+            Ok(Box::new(chip))
+        }
         _ => Err("an MLX90614 and an ADS1115 cannot share an address on one bus; change one of them".to_owned()),
     }
 }

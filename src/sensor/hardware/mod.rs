@@ -12,16 +12,17 @@ mod fit;
 mod tests;
 mod upkeep;
 
-pub use fit::{OpenError, Parts};
+pub use fit::OpenError;
 
 use super::Chip;
-use super::power::{PowerCycle, PowerSwitch};
+use super::power::PowerCycle;
 use super::recovery::{BusWatch, Link, Turn};
 use super::schedule::{Schedule, Slot};
 use crate::bus::BusError;
 use crate::bus::explain::{Facts, Place, explain, explain_missing};
 use crate::clock;
 use crate::frame::{Frame, Missing, Reading};
+use crate::gpio::Switch;
 use crate::source::{FrameSource, SensorHealth};
 use crate::time::Time;
 use std::path::Path;
@@ -60,7 +61,7 @@ struct Bus {
 
 struct Line {
     cycle: PowerCycle,
-    switch: Box<dyn PowerSwitch>,
+    switch: Box<dyn Switch>,
 }
 
 /// The clock and the file system, so that tests have their own.
@@ -101,11 +102,11 @@ pub struct HardwareSource {
 impl HardwareSource {
     /// A source of `chips`, as many and in the same order as the schedule's, on power `lines` that
     /// are switched on already. No chip is opened before the first scan.
-    pub fn with_chips(schedule: Schedule, chips: Vec<Fitted>, lines: Vec<Box<dyn PowerSwitch>>) -> Self {
+    pub fn with_chips(schedule: Schedule, chips: Vec<Fitted>, lines: Vec<Box<dyn Switch>>) -> Self {
         Self::on(System::real(), schedule, chips, lines)
     }
 
-    fn on(system: System, schedule: Schedule, chips: Vec<Fitted>, lines: Vec<Box<dyn PowerSwitch>>) -> Self {
+    fn on(system: System, schedule: Schedule, chips: Vec<Fitted>, lines: Vec<Box<dyn Switch>>) -> Self {
         let fresh = |_: &String| Bus {
             watch: BusWatch::default(),
             members: 0,

@@ -1,6 +1,6 @@
 use super::*;
 use crate::frame::{Sample, Value};
-use crate::sensor::power::PowerError;
+use crate::gpio::{GpioError, Switch};
 use crate::sensor::schedule::ChipPlan;
 use std::cell::Cell;
 use std::sync::{Arc, Mutex};
@@ -91,10 +91,10 @@ impl Chip for Fake {
 }
 
 #[derive(Clone, Default)]
-struct Switch(Arc<Mutex<Vec<(u64, bool)>>>);
+struct Supply(Arc<Mutex<Vec<(u64, bool)>>>);
 
-impl PowerSwitch for Switch {
-    fn set(&mut self, on: bool) -> Result<(), PowerError> {
+impl Switch for Supply {
+    fn set(&mut self, on: bool) -> Result<(), GpioError> {
         self.0.lock().unwrap().push((NOW.get() / 1_000_000, on));
         Ok(())
     }
@@ -105,7 +105,7 @@ struct Rig {
     chips: Vec<Fake>,
     absent: Arc<Mutex<Vec<String>>>,
     frame: Frame,
-    switch: Switch,
+    switch: Supply,
     longest_us: u64,
 }
 
@@ -143,8 +143,8 @@ fn rig(buses: &[usize], powered: bool) -> Rig {
         exists: Box::new(move |node| !unplugged.lock().unwrap().iter().any(|a| a == node)),
         announce: |_| {},
     };
-    let switch = Switch::default();
-    let lines: Vec<Box<dyn PowerSwitch>> = if powered { vec![Box::new(switch.clone())] } else { vec![] };
+    let switch = Supply::default();
+    let lines: Vec<Box<dyn Switch>> = if powered { vec![Box::new(switch.clone())] } else { vec![] };
     let source = HardwareSource::on(system, schedule, fitted, lines);
     Rig { source, frame: Frame::new(chips.len()), chips, absent, switch, longest_us: 0 }
 }
