@@ -1,14 +1,16 @@
 //! What the commands are given: the daemon, the configuration, the pipeline. Tests give their own.
 
+use super::client::{Client, ClientError};
 use super::view::Status;
 use crate::attitude::Estimate;
-use crate::config::Settings;
 use crate::config::settings::BusAddress;
+use crate::config::{self, Loaded, Settings};
 use crate::frame::Frame;
 use crate::head::Head;
+use crate::horizon::Horizon;
 use std::error::Error;
-use std::os::fd::OwnedFd;
-use std::path::{Path, PathBuf};
+use std::os::fd::{AsFd, OwnedFd};
+use std::path::Path;
 
 /// Why a part could not do what it was asked; its chain of sources is shown to the user.
 pub type Cause = Box<dyn Error + Send + Sync>;
@@ -34,19 +36,6 @@ pub trait Daemon {
     fn reload(&mut self) -> Result<(), DaemonError>;
 }
 
-/// A configuration that has been read and found good.
-#[derive(Clone, Debug)]
-pub struct Loaded {
-    /// What it says.
-    pub settings: Settings,
-    /// The files it was read from, in order.
-    pub files: Vec<PathBuf>,
-    /// What is allowed and yet unlikely to be meant.
-    pub warnings: Vec<String>,
-    /// All of it as one TOML text.
-    pub text: String,
-}
-
 /// The daemon's own way from a frame to an estimate.
 pub type Pipeline = Box<dyn FnMut(&Frame, &mut Estimate)>;
 
@@ -68,13 +57,37 @@ pub struct Kit {
 }
 
 impl Kit {
-    /// The real parts. SEAM: each of these is fitted to its room when that room is there.
+    /// The real parts.
     pub const REAL: Self = Self {
-        connect: |_| Err(DaemonError::Absent("this build has no D-Bus client".into())),
-        load: |_| Err("this build reads no configuration".into()),
-        load_for_replay: |_| Err("this build reads no configuration".into()),
-        parse: |_| Err("this build reads no configuration".into()),
-        defaults: || Err("this build has no default configuration".into()),
-        pipeline: |_, _| Box::new(|_, _| {}),
+        connect: |bus| Ok(Box::new(Client::connect(bus)?)),
+        load: |path| config::load(path).map_err(Cause::from),
+        load_for_replay: |path| Ok(config::load_for_replay(path)?.settings),
+        parse: |text| Ok(config::parse(&[("the recording's configuration".into(), text.to_owned())])?.settings),
+        defaults: || Ok(Settings::default()),
+        pipeline: |settings, head| {
+            let mut horizon = Horizon::new(settings, head.clone());
+            Box::new(move |frame, estimate| horizon.update(frame, &[], estimate))
+        },
     };
+}
+
+impl From<ClientError> for DaemonError {
+    fn from(error: ClientError) -> Self {
+        if error.no_daemon() { Self::Absent(error.into()) } else { Self::Refused(error.into()) }
+    }
+}
+
+impl Daemon for Client {
+    fn status(&mut self) -> Result<Status, DaemonError> {
+        Ok(Client::status(self)?)
+    }
+
+    fn frames(&mut self) -> Result<OwnedFd, DaemonError> {
+        let frames = Client::frames(self)?;
+        frames.as_fd().try_clone_to_owned().map_err(|e| DaemonError::Refused(e.into()))
+    }
+
+    fn reload(&mut self) -> Result<(), DaemonError> {
+        Ok(Client::reload(self)?)
+    }
 }

@@ -37,7 +37,7 @@ pub enum Stop {
     Write(io::Error),
 }
 
-/// Writes a line for each frame of `reader` after `update` has seen it.
+/// Writes a line for each frame of `reader` after `update` has seen it; without its aiding if so told.
 pub fn replay<R: BufRead>(
     reader: &mut Reader<R>,
     no_aiding: bool,
@@ -50,6 +50,7 @@ pub fn replay<R: BufRead>(
     let mut estimate = Estimate::default();
     let mut line = String::with_capacity(256);
     let mut first = None;
+    let mut stamp = None;
     out.write_all(HEADER.as_bytes()).map_err(Stop::Write)?;
     while reader.next_frame(&mut frame).map_err(Stop::Read)? {
         if no_aiding {
@@ -57,7 +58,10 @@ pub fn replay<R: BufRead>(
         }
         update(&frame, &mut estimate);
         line.clear();
-        row(&frame, &estimate, &head, &mut line);
+        // A frame that the pipeline makes nothing of leaves the estimate as it was: not to be shown
+        // under a new time.
+        let fresh = stamp.replace(estimate.time) != Some(estimate.time);
+        row(&frame, &estimate, fresh, &head, &mut line);
         out.write_all(line.as_bytes()).map_err(Stop::Write)?;
         summary.frames += 1;
         summary.modes[estimate.mode as usize] += 1;
@@ -67,11 +71,13 @@ pub fn replay<R: BufRead>(
     Ok(summary)
 }
 
-/// Appends the line of one estimate; time is the frame's.
-fn row(frame: &Frame, estimate: &Estimate, head: &Head, line: &mut String) {
+/// Appends the line of one estimate; time is the frame's. Without angles where there are none, or
+/// none since the line before.
+fn row(frame: &Frame, estimate: &Estimate, fresh: bool, head: &Head, line: &mut String) {
     push_digits(line, frame.time.as_nanos().saturating_add(500) / 1_000, 6);
-    let beside = |value: f64| if estimate.attitude.is_some() { value.to_degrees() } else { f64::NAN };
-    let attitude = estimate.attitude.unwrap_or_default();
+    let given = estimate.attitude.filter(|_| fresh);
+    let beside = |value: f64| if given.is_some() { value.to_degrees() } else { f64::NAN };
+    let attitude = given.unwrap_or_default();
     for value in [
         beside(attitude.roll),
         beside(attitude.pitch),
@@ -176,8 +182,11 @@ mod tests {
             ..Estimate::default()
         };
         let mut line = String::new();
-        row(&frame, &estimate, &head, &mut line);
+        row(&frame, &estimate, true, &head, &mut line);
         assert_eq!(line, "1.020000,-30.000,5.250,1.000,2.000,30.000,nominal,\n");
+        line.clear();
+        row(&frame, &estimate, false, &head, &mut line);
+        assert_eq!(line, "1.020000,,,,,30.000,nominal,\n");
         estimate.attitude = None;
         estimate.mode = Mode::Faulted;
         for kind in [FaultKind::LowContrast, FaultKind::SensorLost(0)] {
@@ -185,7 +194,7 @@ mod tests {
             estimate.faults.push(ActiveFault { kind, since: Time::default(), evidence });
         }
         line.clear();
-        row(&frame, &estimate, &head, &mut line);
+        row(&frame, &estimate, true, &head, &mut line);
         assert_eq!(line, "1.020000,,,,,30.000,faulted,low-contrast|sensor-lost:nose\n");
     }
 }

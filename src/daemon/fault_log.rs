@@ -36,7 +36,8 @@ struct Entry {
     said_active: bool,
     window_start: Time,
     lines: u32,
-    unsaid: u32,
+    /// Times it came since the log last said so.
+    comings: u32,
 }
 
 /// Which faults the log has spoken of. Grows with the kinds of fault that were ever seen, which the
@@ -54,7 +55,7 @@ impl FaultLog {
                 Some(entry) => {
                     if !entry.active {
                         entry.active = true;
-                        entry.unsaid += u32::from(entry.said_active);
+                        entry.comings = entry.comings.saturating_add(1);
                     }
                     entry.fault = *fault;
                 }
@@ -64,7 +65,7 @@ impl FaultLog {
                     said_active: false,
                     window_start: now,
                     lines: 0,
-                    unsaid: 0,
+                    comings: 1,
                 }),
             }
         }
@@ -74,17 +75,18 @@ impl FaultLog {
                 entry.window_start = now;
                 entry.lines = 0;
             }
-            if (entry.active == entry.said_active && entry.unsaid == 0) || entry.lines >= LINES {
+            let unsaid = if entry.active { entry.comings > 0 } else { entry.said_active };
+            if !unsaid || entry.lines >= LINES {
                 continue;
             }
             if entry.active {
-                say(Line::Came { fault: entry.fault, unsaid: entry.unsaid });
+                say(Line::Came { fault: entry.fault, unsaid: entry.comings - 1 });
+                entry.comings = 0;
             } else {
                 say(Line::Went { kind: entry.fault.kind, after_s: now.since(entry.fault.since) });
             }
             entry.said_active = entry.active;
             entry.lines += 1;
-            entry.unsaid = 0;
         }
     }
 }

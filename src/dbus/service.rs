@@ -26,7 +26,7 @@ use zbus::fdo::{ObjectManager, RequestNameFlags};
 use zruntime::SharedRuntime;
 
 /// Between two looks at the shared state: a change of mode or faults is signalled this late at most.
-const LOOK: Duration = Duration::from_millis(20);
+const LOOK: Duration = Duration::from_millis(50);
 /// The pause before the first new attempt to connect; doubled after each failure.
 const BACKOFF_FIRST: Duration = Duration::from_millis(200);
 /// The longest pause.

@@ -122,7 +122,8 @@ impl<R: BufRead> Recording<R> {
         if !unknown.is_empty() {
             let shown = unknown.iter().take(10).copied().collect::<Vec<_>>().join(", ");
             let more = if unknown.len() > 10 { ", …" } else { "" };
-            notices.push(format!("{} columns not known and ignored: {shown}{more}", unknown.len()));
+            let columns = if unknown.len() == 1 { "column" } else { "columns" };
+            notices.push(format!("{} {columns} not known and ignored: {shown}{more}", unknown.len()));
         }
         Ok(Reader::new(lines, file, columns, head, ours, notices))
     }
