@@ -18,6 +18,8 @@ pub enum Integrity {
     AdapterWithout,
     /// The sensor knows no PEC (ADS1115).
     SensorWithout,
+    /// Switched off in the configuration (`pec = "off"`).
+    SwitchedOff,
 }
 
 impl Integrity {
@@ -29,6 +31,7 @@ impl Integrity {
             Self::SoftwarePec => "software-pec",
             Self::AdapterWithout => "unchecked: adapter has no PEC",
             Self::SensorWithout => "unchecked: sensor has no PEC",
+            Self::SwitchedOff => "unchecked: PEC switched off",
         }
     }
 }

@@ -4,8 +4,17 @@
 //! hardware source walks over the chips along its schedule.
 //!
 //! - [`ads1115`]: an ADC for amplified pairs.
+//! - [`hardware`]: the chips as a source of frames.
+//! - [`mlx90614`]: the digital thermopile.
+//! - [`power`], [`recovery`]: what is done about chips that fail, step by step.
+//! - [`schedule`]: when in a scan each sensor is read.
 
 pub mod ads1115;
+pub mod hardware;
+pub mod mlx90614;
+pub mod power;
+pub mod recovery;
+pub mod schedule;
 
 use crate::bus::BusError;
 use crate::frame::Reading;
@@ -26,6 +35,10 @@ pub trait Chip: Send {
     /// Reads sensor `slot` (0 for the chip's first). One bounded attempt: trying again is the
     /// caller's decision. The reading is stamped with the end of the transfer that succeeded.
     fn read(&mut self, slot: usize) -> Reading;
+
+    /// Does what is done rarely, at most one transfer: an MLX90614 reads its die temperature.
+    /// Called at the end of a scan, of one chip at most, and of each about once a second.
+    fn housekeep(&mut self) {}
 
     /// What is known of sensor `slot`.
     fn health(&self, slot: usize) -> SensorHealth;
