@@ -2,6 +2,7 @@
 
 use crate::config::Settings;
 use crate::head::Head;
+use crate::sensor::hardware::HardwareSource;
 use crate::simulation::SimulatedSource;
 use crate::sky::FieldOfView;
 use crate::source::FrameSource;
@@ -17,6 +18,6 @@ pub fn open(settings: &Settings, head: &Head) -> Result<Box<dyn FrameSource>, St
             log::info!("simulated flight: no hardware is read, the attitude is made up");
             Ok(Box::new(SimulatedSource::new(simulation, head, field)))
         }
-        None => Err("no hardware yet".to_owned()),
+        None => Ok(Box::new(HardwareSource::open(settings, head).map_err(|e| e.to_string())?)),
     }
 }
