@@ -6,6 +6,7 @@ use super::kit::Kit;
 use super::view::Status;
 use super::{prometheus, record, replay, sensors, signals, status, watch};
 use crate::config::settings::BusAddress;
+use crate::sensor::schedule::Schedule;
 use clap::Parser;
 use clap::error::ErrorKind;
 use serde::Serialize;
@@ -97,12 +98,26 @@ fn validate(file: &Path, show: bool, kit: &Kit, out: &mut dyn Write, err: &mut d
             for warning in &loaded.warnings {
                 let _ = writeln!(err, "warning: {warning}");
             }
+            let settings = &loaded.settings;
+            let schedule = match settings.simulation {
+                Some(_) => None,
+                None => match Schedule::plan(&settings.sensors, &settings.head(), settings.rate_hz, settings.quiet) {
+                    Ok(schedule) => Some(schedule),
+                    Err(e) => {
+                        let _ = writeln!(err, "{}: {e}", file.display());
+                        return Ok(EXIT_FAILED);
+                    }
+                },
+            };
             if show {
                 print(out, &loaded.text)?;
-            } else {
-                for file in &loaded.files {
-                    print(out, &format!("{}: ok\n", file.display()))?;
-                }
+                return Ok(EXIT_OK);
+            }
+            for file in &loaded.files {
+                print(out, &format!("{}: ok\n", file.display()))?;
+            }
+            if let Some(schedule) = schedule {
+                print(out, &format!("{schedule}\n"))?;
             }
             Ok(EXIT_OK)
         }
