@@ -165,6 +165,21 @@ fn ranges_are_those_of_the_parser() {
 }
 
 #[test]
+fn every_fault_has_its_paragraph() {
+    let source = page("src/fault/vocabulary.rs");
+    let named = source.lines().filter(|l| l.trim_start().starts_with("FaultKind::") && l.contains(" => "));
+    let faults = page("docs/faults.md");
+    let mut count = 0;
+    for name in named.filter_map(|l| l.split('"').nth(1)) {
+        let name = name.trim_end_matches(":{}");
+        let paragraph = faults.lines().any(|l| l.starts_with(&format!("**`{name}")));
+        assert!(paragraph, "docs/faults.md has no paragraph **`{name}…`**");
+        count += 1;
+    }
+    assert!(count >= 6, "{count}");
+}
+
+#[test]
 fn examples_are_accepted() {
     for (name, text) in pages() {
         for example in blocks(&text, "toml") {
