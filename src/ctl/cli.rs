@@ -94,7 +94,7 @@ pub struct WatchArgs {
 /// Arguments of `record`.
 #[derive(Clone, Debug, Args)]
 pub struct RecordArgs {
-    /// The file, - for standard output; irhorizon-<date>-<time>.csv when not given
+    /// The file, - for standard output; irhorizon-DATE-TIME.csv when not given
     pub file: Option<PathBuf>,
     /// End after this many seconds
     #[arg(long, value_parser = seconds)]

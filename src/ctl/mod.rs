@@ -8,7 +8,7 @@
 //! - [`status`], [`prometheus`], [`sensors`]: the state as text.
 //! - [`watch`]: the live horizon.
 //! - [`record`], [`replay`]: recordings out of the daemon, and through its pipeline.
-//! - [`name`]: a name for a recording that was given none; [`signals`]: a polite end on request.
+//! - `name`: a name for a recording that was given none; `signals`: a polite end on request.
 
 mod answer;
 pub mod cli;

@@ -1,6 +1,6 @@
 //! Faults: one vocabulary everywhere (D-Bus, recording, STATUSTEXT, status).
 //!
-//! - [`vocabulary`]: the kinds, an active fault, its evidence;
+//! - `vocabulary`: the kinds, an active fault, its evidence;
 //! - [`debounce`]: hysteresis in time;
 //! - [`contrast`]: `low-contrast`, `inverted-contrast`;
 //! - [`sensors`]: `sensor-lost`, `sensor-saturated`, `bus-down`, `stale`.

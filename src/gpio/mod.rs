@@ -1,6 +1,6 @@
 //! GPIO lines: data-ready edges in, power switch and fault lamp out.
 //!
-//! - [`error`]: what can go wrong with a line.
+//! - `error`: what can go wrong with a line.
 //! - [`lines`]: a chip by its label, name or path; a line on it.
 //! - [`edge`]: data-ready as falling edges that the kernel queues.
 //! - [`output`]: a line that is switched.

@@ -1,12 +1,12 @@
 //! Recordings: CSV, one header line, a row for each frame.
 //!
-//! - [`format`]: what the columns are called and what they mean.
-//! - [`number`]: decimal numbers to and from text, fast and without allocation.
-//! - [`lines`]: lines of bounded length.
-//! - [`open`]: a recording up to its header; [`error`]: why it cannot be read.
-//! - [`reader`]: frames out of it; [`tally`]: what could not be used of it.
-//! - [`writer`]: frames into one.
-//! - [`tap`]: frames as they come, for whoever records them.
+//! - [`mod@format`]: what the columns are called and what they mean.
+//! - `number`: decimal numbers to and from text, fast and without allocation.
+//! - `lines`: lines of bounded length.
+//! - `open`: a recording up to its header; `error`: why it cannot be read.
+//! - `reader`: frames out of it; `tally`: what could not be used of it.
+//! - `writer`: frames into one.
+//! - `tap`: frames as they come, for whoever records them.
 
 mod error;
 pub mod format;

@@ -1,11 +1,11 @@
 //! The live horizon in the terminal.
 //!
-//! - [`picture`]: the whole picture, a pure function of what was seen.
-//! - [`horizon`]: sky over ground; [`instruments`]: ladder, bank scale, aircraft on it.
-//! - [`canvas`]: dots, eight to a cell.
-//! - [`panel`]: the readouts beside it.
-//! - [`palette`]: colours, or none.
-//! - [`live`]: the terminal and the daemon at its other end.
+//! - `picture`: the whole picture, a pure function of what was seen.
+//! - `horizon`: sky over ground; `instruments`: ladder, bank scale, aircraft on it.
+//! - `canvas`: dots, eight to a cell.
+//! - `panel`: the readouts beside it.
+//! - `palette`: colours, or none.
+//! - `live`: the terminal and the daemon at its other end.
 //! - [`print`]: one picture as text.
 
 mod canvas;

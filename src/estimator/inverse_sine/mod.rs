@@ -1,5 +1,5 @@
 //! The report's scheme (section IV.B), kept as published: `roll = asin(y/R)`, `pitch = asin(x/R)`,
-//! the inverse sine from a [`table`], `R` the vertical pair's output low-passed over a few seconds,
+//! the inverse sine from a `table`, `R` the vertical pair's output low-passed over a few seconds,
 //! roll limited.
 //!
 //! Its two known faults are kept with it: `R` shrinks with `cos φ cos θ` in a sustained bank, and
