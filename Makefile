@@ -11,6 +11,7 @@ test:
 lint:
 	cargo fmt --check
 	cargo clippy --all-targets --quiet -- --deny warnings
+	RUSTDOCFLAGS='--deny warnings' cargo doc --no-deps --quiet
 
 bench:
 	@benches/run

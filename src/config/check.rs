@@ -55,7 +55,7 @@ fn taken(sensor: &Read<'_>, twin: &Read<'_>, findings: &Findings<'_>) {
     let at = format!("address {:#04x} on {}", device.address(), device.bus().display());
     let (key, what, advice) = match (device, other) {
         (DeviceSettings::Mlx90614(_), DeviceSettings::Mlx90614(_)) => {
-            ("address", at, "; each needs an address of its own, see irhorizonctl set-address")
+            ("address", at, "; each needs an address of its own")
         }
         (DeviceSettings::Ads1115(_), DeviceSettings::Ads1115(_)) => ("input", format!("the input of {at}"), ""),
         (DeviceSettings::Ads1115(_), _) => ("address", at, ", an mlx90614: one address, one chip"),

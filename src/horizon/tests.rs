@@ -188,3 +188,21 @@ fn trims_are_taken_off() {
     let expected = 10.0_f64.to_radians().tan().asin().to_degrees() - 3.0;
     assert!((a.roll.to_degrees() - expected).abs() < 0.05 && (a.pitch.to_degrees() - 2.0).abs() < 1e-9);
 }
+
+#[test]
+fn upright_again_after_an_inversion_there_is_one_fault_and_it_ends_once() {
+    let mut f = Flight::new();
+    f.for_s(10.0, 0.0, 30.0, &[]);
+    for _ in 0..500 {
+        f.fly(180.0, 30.0, &[]);
+        assert!(!f.kinds().contains(&FaultKind::LowContrast));
+    }
+    assert_eq!(f.kinds(), [FaultKind::InvertedContrast]);
+    let mut changes = 0;
+    for _ in 0..500 {
+        let before = f.estimate.mode;
+        changes += u32::from(f.fly(0.0, 30.0, &[]).mode != before);
+        assert!(f.estimate.mode != Mode::Nominal || f.estimate.contrast_k.unwrap() > 0.0);
+    }
+    assert_eq!((changes, f.estimate.mode), (1, Mode::Nominal));
+}

@@ -23,6 +23,9 @@ const PAIR_NOISE_K: f64 = 0.113;
 /// The smallest range that an angle is divided by, K: far below any usable contrast.
 const SMALLEST_RANGE_K: f64 = 1e-3;
 
+/// The share of the range that the vertical pair must see before it is believed which way round it is.
+const REVERSAL: f64 = 0.25;
+
 /// The report's estimator.
 #[derive(Clone, Debug)]
 pub struct InverseSineEstimator {
@@ -31,8 +34,8 @@ pub struct InverseSineEstimator {
     excess: Excess,
     /// Low-passed |z|: what scales the angles.
     range: LowPass,
-    /// Low-passed z: the contrast with its sign.
-    contrast: LowPass,
+    /// The vertical pair looks reversed: the contrast is shown with a minus sign.
+    reversed: bool,
     roll_limit: f64,
 }
 
@@ -46,7 +49,7 @@ impl InverseSineEstimator {
             table: InverseSine::new(),
             excess: Excess::new(field_of_view_deg),
             range: LowPass::new(range_time_constant_s),
-            contrast: LowPass::new(range_time_constant_s),
+            reversed: false,
             roll_limit: if roll_limit_deg > 0.0 { roll_limit_deg.to_radians() } else { std::f64::consts::PI },
         }
     }
@@ -66,10 +69,15 @@ impl Estimator for InverseSineEstimator {
     fn update(&mut self, frame: &Frame) -> Solution {
         let seen = contrast_vector(&self.head, frame);
         if let (Some([_, _, z]), Some(time)) = (seen, frame.sample_time()) {
-            self.range.update(z.abs(), time);
-            self.contrast.update(z, time);
+            let range = self.range.update(z.abs(), time).unwrap_or(0.0);
+            // A vertical pair near zero (a bank near 90°) has no sign of its own.
+            if z.abs() > REVERSAL * range {
+                self.reversed = z < 0.0;
+            }
         }
-        let mut solution = Solution { contrast_k: self.contrast.value(), seen_k: seen, ..Solution::default() };
+        let sign = if self.reversed { -1.0 } else { 1.0 };
+        let contrast_k = self.range.value().map(|range| sign * range);
+        let mut solution = Solution { contrast_k, seen_k: seen, ..Solution::default() };
         if let (Some([x, y, z]), Some(range)) = (seen, self.range.value()) {
             let range = range.max(SMALLEST_RANGE_K);
             let seen_k = (x * x + y * y + z * z).sqrt();
