@@ -12,6 +12,7 @@ lint:
 	cargo fmt --check
 	cargo clippy --all-targets --quiet -- --deny warnings
 	RUSTDOCFLAGS='--deny warnings' cargo doc --no-deps --quiet
+	cargo clippy --test kernel --quiet -- --deny warnings
 
 bench:
 	@benches/run

@@ -4,8 +4,8 @@
 attitude.py --listen 127.0.0.1:14550 --seconds 5 --json     for a udpout endpoint
 attitude.py --connect 127.0.0.1:14550 --seconds 5 --json    for a udpin endpoint
 
-The first second that counts begins with the first good message. Exit status 0 when there was one,
-1 when there was none.
+The first second that counts begins with the first good message. SIGTERM ends the listening early.
+Exit status 0 when there was one, 1 when there was none.
 """
 
 import argparse
@@ -13,6 +13,7 @@ import csv
 import json
 import math
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -142,6 +143,8 @@ def listen(args):
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["time_boot_ms", "roll_deg", "pitch_deg", "receive_time"])
     listener = Listener(table)
+    ended = []
+    signal.signal(signal.SIGTERM, lambda *_: ended.append(True))
     # Whoever waits for this program to listen reads this line.
     print(f"listening on {args.connect or args.listen}", file=sys.stderr, flush=True)
     begun, first, greeted = time.monotonic(), None, -1.0
@@ -150,7 +153,7 @@ def listen(args):
         if args.connect and now - greeted > 1.0:
             greeted = now
             link.mav.heartbeat_send(mavutil.mavlink.MAV_TYPE_GCS, mavutil.mavlink.MAV_AUTOPILOT_INVALID, 0, 0, 0)
-        if now - (first or begun) >= (args.seconds if first else args.wait):
+        if ended or now - (first or begun) >= (args.seconds if first else args.wait):
             break
         message = link.recv_match(blocking=True, timeout=0.1)
         if message is None:

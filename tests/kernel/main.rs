@@ -1,0 +1,19 @@
+//! Thermopiles in, attitude out: the daemon on a kernel's buses.
+//!
+//! `tests/kernel/run` runs this in the virtual machine; a plain `cargo test` does not.
+//!
+//! - [`rig`], [`adapter`]: the daemon, and the modules, buses and lines under it;
+//! - [`sky`]: what sensors see, and what the report's scheme must make of it;
+//! - [`mlx`], [`adc`]: sensors that the test moves;
+//! - [`flight`], [`attitude`]: attitudes flown through; `check.py` is the listener's side of it.
+#![allow(dead_code, missing_docs, clippy::unwrap_used)]
+
+mod adapter;
+mod adc;
+mod attitude;
+#[path = "../dbus_bus/mod.rs"]
+mod dbus_bus;
+mod flight;
+mod mlx;
+mod rig;
+mod sky;
