@@ -260,8 +260,10 @@ impl<C: Clock> Converter<C> {
             let now = self.clock.now();
             // An edge that comes too soon is a disturbance: time and the chip must decide.
             if now < flight.earliest {
+                self.line.early(&self.name);
                 break;
             }
+            self.line.timely();
             if self.adc()?.is_ready()? {
                 return Ok(Edge::Confirmed);
             }

@@ -6,6 +6,9 @@ use std::time::Duration;
 /// Edges in a row after which a silent line is trusted again.
 const TRUSTED_AFTER: u32 = 20;
 
+/// Edges in a row that come too early after which the user is told.
+const EARLY: u32 = 20;
+
 /// A line that may be there, and whether it has lately been heard.
 #[derive(Default)]
 pub struct ReadyLine {
@@ -13,6 +16,7 @@ pub struct ReadyLine {
     trouble: Option<GpioError>,
     silent: bool,
     heard: u32,
+    early: u32,
 }
 
 impl ReadyLine {
@@ -56,6 +60,22 @@ impl ReadyLine {
             self.silent = false;
             log::info!("data-ready line of {chip}: heard again");
         }
+    }
+
+    /// An edge of `chip` came before the conversion can have ended: told once when that is the rule.
+    pub fn early(&mut self, chip: &str) {
+        self.early = self.early.saturating_add(1);
+        if self.early == EARLY {
+            log::warn!(
+                "data-ready line of {chip}: its edges come when conversions begin, not when they end; conversions are \
+                 waited for by time and polled. Is active-low right? ALERT/RDY itself falls when ready: active-low = false"
+            );
+        }
+    }
+
+    /// An edge came in its time.
+    pub fn timely(&mut self) {
+        self.early = 0;
     }
 
     /// An edge of `chip` did not come in its time.
