@@ -13,8 +13,6 @@ pub mod lamp;
 pub mod lines;
 pub mod output;
 pub mod pin;
-#[cfg(test)]
-mod tests;
 
 pub use error::GpioError;
 

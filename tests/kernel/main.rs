@@ -5,6 +5,7 @@
 //! - [`rig`], [`adapter`]: the daemon, and the modules, buses and lines under it;
 //! - [`sky`]: what sensors see, and what the report's scheme must make of it;
 //! - [`mlx`], [`adc`]: sensors that the test moves;
+//! - [`hardware`], [`lines`]: the source of frames and GPIO lines by themselves;
 //! - [`flight`], [`attitude`]: attitudes flown through; `check.py` is the listener's side of it.
 #![allow(dead_code, missing_docs, clippy::unwrap_used)]
 
@@ -14,6 +15,8 @@ mod attitude;
 #[path = "../dbus_bus/mod.rs"]
 mod dbus_bus;
 mod flight;
+mod hardware;
+mod lines;
 mod mlx;
 mod rig;
 mod sky;

@@ -1,11 +1,11 @@
-//! The lines against the kernel's own simulated chip (`gpio-sim`), where there is one: under the
-//! virtual machine of the integration tests, which sets `IRHORIZON_KERNEL_TESTS`.
+//! GPIO lines against the kernel's simulated chip, `gpio-sim`.
 
-use super::edge::EdgeInput;
-use super::output::OutputLine;
-use super::pin::{PinReady, PinSwitch};
-use super::{DataReady, GpioError, Switch, lines};
-use crate::config::settings::LineSettings;
+use crate::rig::require_kernel;
+use irhorizon::config::settings::LineSettings;
+use irhorizon::gpio::edge::EdgeInput;
+use irhorizon::gpio::output::OutputLine;
+use irhorizon::gpio::pin::{PinReady, PinSwitch};
+use irhorizon::gpio::{DataReady, GpioError, Switch, lines};
 use linux_embedded_hal::CdevPin;
 use std::fs;
 use std::path::PathBuf;
@@ -68,10 +68,7 @@ fn line(line: u32, active_low: bool) -> LineSettings {
 
 #[test]
 fn lines_of_a_kernels_chip() {
-    if std::env::var_os("IRHORIZON_KERNEL_TESTS").is_none() {
-        eprintln!("skipped: no IRHORIZON_KERNEL_TESTS in the environment");
-        return;
-    }
+    require_kernel();
     let sim = Sim::new();
     chips(&sim);
     edges(&sim);

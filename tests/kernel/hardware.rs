@@ -1,6 +1,6 @@
-//! The hardware source against the kernel's own I²C: the modules i2c-fault and i2c-stub. Runs where
-//! they may be loaded: in the virtual machine, which sets `IRHORIZON_KERNEL_TESTS`.
+//! The hardware source, scan by scan, against the kernel's own I²C: i2c-fault and i2c-stub.
 
+use crate::rig::require_kernel;
 use irhorizon::bus::explain::{Facts, Place, explain};
 use irhorizon::bus::generic::GenericBus;
 use irhorizon::bus::linux::LinuxBus;
@@ -107,11 +107,8 @@ fn plug_in() {
 }
 
 #[test]
-fn against_the_kernel() {
-    if std::env::var_os("IRHORIZON_KERNEL_TESTS").is_none() {
-        eprintln!("skipped: no IRHORIZON_KERNEL_TESTS in the environment");
-        return;
-    }
+fn a_source_on_the_kernels_buses() {
+    require_kernel();
     run("modprobe i2c-dev");
     plug_in();
     let settings = settings(&[("nose", FAULT, 0x5a, ""), ("tail", FAULT, 0x5b, "")]);
@@ -261,4 +258,6 @@ fn without_pec() {
     let mut strict = Rig::new(&settings(&[("nose", &bus, 0x5a, "pec = \"required\"")]));
     strict.scan();
     assert_eq!(strict.frame.readings[0], Err(Missing::BadPec));
+    drop((words, rig, strict));
+    run("rmmod i2c-stub");
 }
