@@ -63,7 +63,7 @@ impl fmt::Display for Mode {
 /// What the daemon says after a frame.
 ///
 /// `attitude` is `None` exactly while it must not be used: while `mode` is `starting` or `faulted`.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Estimate {
     /// The newest successful conversion that went into it.
     pub time: Time,
@@ -78,4 +78,17 @@ pub struct Estimate {
     pub mode: Mode,
     /// What speaks against it, in the vocabulary's order.
     pub faults: Vec<ActiveFault>,
+}
+
+/// Copying one estimate over another allocates nothing once there was room for as many faults.
+impl Clone for Estimate {
+    fn clone(&self) -> Self {
+        Self { faults: self.faults.clone(), ..*self }
+    }
+
+    fn clone_from(&mut self, other: &Self) {
+        let mut faults = std::mem::take(&mut self.faults);
+        faults.clone_from(&other.faults);
+        *self = Self { faults, ..*other };
+    }
 }

@@ -60,6 +60,28 @@ pub enum Missing {
 }
 
 impl Missing {
+    const ALL: [Self; 14] = [
+        Self::NotYet,
+        Self::NoAnswer,
+        Self::BadPec,
+        Self::ErrorFlag,
+        Self::Saturated,
+        Self::Impossible,
+        Self::NotReady,
+        Self::BusHeld,
+        Self::BusError,
+        Self::Claimed,
+        Self::BusGone,
+        Self::Denied,
+        Self::PoweredOff,
+        Self::Empty,
+    ];
+
+    /// The reason that is told by these words.
+    pub fn from_words(words: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|m| m.as_str() == words)
+    }
+
     /// A few words for status, log and D-Bus.
     pub const fn as_str(self) -> &'static str {
         match self {
@@ -111,7 +133,7 @@ pub struct Aiding {
 
 /// One scan of the head. Hardware, simulation and replay are three sources of frames,
 /// alike to everything after them.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Frame {
     /// When the scan ended.
     pub time: Time,
@@ -119,6 +141,19 @@ pub struct Frame {
     pub readings: Vec<Reading>,
     /// What arrived beside them.
     pub aiding: Aiding,
+}
+
+/// Copying one frame over another allocates nothing when they have as many readings.
+impl Clone for Frame {
+    fn clone(&self) -> Self {
+        Self { readings: self.readings.clone(), ..*self }
+    }
+
+    fn clone_from(&mut self, other: &Self) {
+        let mut readings = std::mem::take(&mut self.readings);
+        readings.clone_from(&other.readings);
+        *self = Self { readings, ..*other };
+    }
 }
 
 impl Frame {

@@ -4,7 +4,7 @@ use super::answer;
 use super::view::Status;
 use crate::clock;
 use crate::config::settings::BusAddress;
-use crate::dbus::bus::{builder, place};
+use crate::dbus::bus::{builder, place, reason};
 use crate::dbus::{CONTROL, ERROR_BUSY, ERROR_CONFIG, HORIZON, NAME, PATH, STREAM};
 use rustix::net::{RecvFlags, recv};
 use std::collections::HashMap;
@@ -189,14 +189,6 @@ async fn within<T>(limit: Duration, ask: impl Future<Output = zbus::Result<T>>) 
             let text = format!("no answer within {} s", limit.as_secs());
             Err(std::io::Error::new(std::io::ErrorKind::TimedOut, text).into())
         }
-    }
-}
-
-/// The error's own words, without zbus's.
-fn reason(error: &zbus::Error) -> String {
-    match error {
-        zbus::Error::InputOutput(e) => e.to_string(),
-        e => e.to_string(),
     }
 }
 

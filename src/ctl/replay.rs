@@ -153,7 +153,11 @@ pub fn command(args: &ReplayArgs, kit: &Kit, out: &mut dyn Write, err: &mut dyn 
 }
 
 fn describe(summary: &Summary) -> String {
-    let mut text = format!("{} frames over {:.1} s", summary.frames, summary.seconds);
+    if summary.frames == 0 {
+        return "no frames: the recording has no usable row".to_owned();
+    }
+    let plural = if summary.frames == 1 { "" } else { "s" };
+    let mut text = format!("{} frame{plural} over {:.1} s", summary.frames, summary.seconds);
     for mode in [Mode::Starting, Mode::Nominal, Mode::Degraded, Mode::Faulted] {
         let n = summary.modes[mode as usize];
         if n > 0 {

@@ -2,7 +2,10 @@
 
 use super::status::finite;
 use super::view::Sensor;
+use crate::bus::explain::{Facts, Place, explain_missing};
+use crate::frame::Missing;
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 
 const TITLES: [&str; 11] =
     ["NAME", "LOOKS", "CHIP", "AT", "OBJECT", "OWN", "VOLTS", "SETTLES", "CHECK", "STATE", "COUNTS"];
@@ -26,6 +29,23 @@ pub fn table(sensors: &[Sensor]) -> String {
         }
         text.push_str(line.trim_end());
         text.push('\n');
+    }
+    text
+}
+
+/// Under the table: why each sensor gives nothing, and what to do about it, by what this machine
+/// knows of its bus.
+pub fn remedies(sensors: &[Sensor]) -> String {
+    let mut text = String::new();
+    for s in sensors.iter().filter(|s| !s.bus.is_empty()) {
+        let Some(why) = Missing::from_words(&s.state).filter(|m| *m != Missing::NotYet) else { continue };
+        let chip = if s.kind == "ads1115" { "ADS1115" } else { "MLX90614" };
+        let bus = PathBuf::from(&s.bus);
+        // The daemon's user counts, not ours: the one of its unit.
+        let facts = Facts { user: Some("irhorizon".to_owned()), ..Facts::gather(Path::new("/"), &bus, s.address) };
+        let place = Place { name: s.name.clone(), chip, bus, address: s.address };
+        let gap = if text.is_empty() { "\n" } else { "" };
+        let _ = writeln!(text, "{gap}{}", explain_missing(&place, why, &facts));
     }
     text
 }

@@ -43,13 +43,13 @@ impl Sampling {
         taps: Arc<Taps>,
         lamp: Option<Lamp<OutputLine>>,
     ) -> Self {
+        // A sensor is lost or saturated, a bus is down, and what there is but once.
+        let kinds = 2 * head.sensors.len() + head.buses.len() + 4;
+        shared.lock().estimate.faults.reserve(kinds);
         Self {
             frame: Frame::new(head.sensors.len()),
-            estimate: Estimate {
-                faults: Vec::with_capacity(head.sensors.len() + head.buses.len() + 4),
-                ..Estimate::default()
-            },
-            log: FaultLog::default(),
+            estimate: Estimate { faults: Vec::with_capacity(kinds), ..Estimate::default() },
+            log: FaultLog::with_capacity(kinds),
             writer: Writer::new(&head, ""),
             line: String::with_capacity(1024),
             rate: RateMeter::default(),
@@ -104,7 +104,13 @@ impl Sampling {
                 let name = fault.kind.display(&self.head);
                 log::warn!("{name}: {}; came and went {unsaid} times more", fault.evidence);
             }
-            Line::Went { kind, after_s } => log::info!("{} is over after {after_s:.1} s", kind.display(&self.head)),
+            Line::Went { kind, after_s, unsaid: 0 } => {
+                log::info!("{} is over after {after_s:.1} s", kind.display(&self.head));
+            }
+            Line::Went { kind, after_s, unsaid } => {
+                let name = kind.display(&self.head);
+                log::info!("{name} is over after {after_s:.1} s; came and went {unsaid} times more");
+            }
         });
     }
 }

@@ -26,3 +26,20 @@ pub(crate) fn builder(bus: &BusAddress) -> zbus::Result<Builder<'static>> {
     }?;
     Ok(Builder::address(Address::new(address.transport().clone())))
 }
+
+/// The system's own words for why a bus cannot be had, without the ways that they took.
+pub(crate) fn reason(error: &zbus::Error) -> String {
+    let mut innermost: &dyn std::error::Error = error;
+    while let Some(source) = innermost.source() {
+        innermost = source;
+    }
+    innermost.to_string()
+}
+
+/// What to do about a bus that cannot be reached.
+pub(crate) fn advice(bus: &BusAddress) -> &'static str {
+    match bus {
+        BusAddress::System => "is it running? systemctl status dbus",
+        _ => "is it running, and is that its address?",
+    }
+}

@@ -1,7 +1,7 @@
 //! What can go wrong with the service, with the user's next step.
 
 use super::NAME;
-use super::bus::place;
+use super::bus::{advice, place};
 use crate::config::settings::BusAddress;
 use std::fmt;
 
@@ -58,7 +58,7 @@ impl fmt::Display for DbusError {
                 place(bus)
             ),
             Self::Unreachable { bus, reason } => {
-                write!(f, "{} cannot be reached ({reason}): is it running? systemctl status dbus", place(bus))
+                write!(f, "{} cannot be reached ({reason}): {}", place(bus), advice(bus))
             }
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! One thread does all of it: zbus's own runtime runs inside it and only there.
 
-use super::bus::{builder, place};
+use super::bus::{builder, place, reason};
 use super::control::{Commands, Stream};
 use super::error::DbusError;
 use super::horizon::{Horizon, SharedLive, lock};
@@ -145,11 +145,11 @@ impl Serving<'_> {
     async fn connect(&self, live: &SharedLive) -> Result<Connection, DbusError> {
         let service = self.service;
         let bus = || service.bus.clone();
-        let unreachable = |reason: String| DbusError::Unreachable { bus: bus(), reason };
+        let unreachable = |why: String| DbusError::Unreachable { bus: bus(), reason: why };
         let horizon = Horizon { live: live.clone(), control: service.control.clone() };
         let stream = Stream { live: live.clone(), taps: service.taps.clone() };
         let mut builder = builder(&service.bus)
-            .map_err(|e| unreachable(e.to_string()))?
+            .map_err(|e| unreachable(reason(&e)))?
             .serve_at(PATH, horizon)
             .serve_at(PATH, stream)
             .serve_at(PATH, Commands { control: service.control.clone() })
@@ -160,7 +160,7 @@ impl Serving<'_> {
             builder = builder.serve_at(path, sensor);
         }
         let attempt = async {
-            let connection = builder.build().await.map_err(|e| unreachable(e.to_string()))?;
+            let connection = builder.build().await.map_err(|e| unreachable(reason(&e)))?;
             // Neither may anybody take the name from us, nor do we take it from anybody or wait in line.
             match connection.request_name_with_flags(NAME, RequestNameFlags::DO_NOT_QUEUE).await {
                 Ok(_) => Ok(connection),
@@ -170,7 +170,7 @@ impl Serving<'_> {
                 Err(zbus::Error::FDO(e)) if matches!(*e, zbus::fdo::Error::AccessDenied(_)) => {
                     Err(DbusError::NotAllowed { bus: bus(), reason: e.to_string() })
                 }
-                Err(e) => Err(unreachable(e.to_string())),
+                Err(e) => Err(unreachable(reason(&e))),
             }
         };
         match self.runtime.timeout(CONNECT_LIMIT, attempt).await {

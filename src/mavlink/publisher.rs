@@ -15,6 +15,9 @@ use std::time::Duration;
 /// The longest wait for a frame: how late a heartbeat can be, and a new configuration.
 const WAIT: Duration = Duration::from_millis(50);
 
+/// How often what has arrived at an endpoint is taken in: not for every frame, it costs a system call.
+const TEND: Duration = Duration::from_millis(100);
+
 /// What the thread is told, and what it tells of its endpoints.
 #[derive(Debug)]
 pub struct Switchboard {
@@ -58,15 +61,20 @@ struct Link {
     endpoint: Endpoint,
     encoder: Encoder,
     session: Session,
+    /// When the endpoint is tended next.
+    next_tend: Time,
 }
 
 impl Link {
     fn step(&mut self, now: Time, seen: &Seen, head: &Head) {
-        let Self { endpoint, encoder, session } = self;
+        let Self { endpoint, encoder, session, next_tend } = self;
         let listening = endpoint.listening();
         session.step(now, seen, head, listening, |message| endpoint.send(now, encoder.encode(message)));
         // What is received is not used yet: this is where a command or a time request comes in.
-        endpoint.tend(now, |_datagram| {});
+        if now >= *next_tend {
+            *next_tend = now + TEND;
+            endpoint.tend(now, |_datagram| {});
+        }
     }
 }
 
@@ -82,12 +90,12 @@ fn link(now: Time, sequence: u64, wanted: &Wanted, mut old: Vec<Link>) -> Vec<Li
         links.push(match kept {
             Some(Link { endpoint, mut encoder, .. }) => {
                 encoder.identify(*system_id, *component_id);
-                Link { endpoint, encoder, session }
+                Link { endpoint, encoder, session, next_tend: now }
             }
             None => {
                 let mut endpoint = Endpoint::new(settings.address.clone());
                 endpoint.tend(now, |_datagram| {});
-                Link { endpoint, encoder: Encoder::new(*system_id, *component_id), session }
+                Link { endpoint, encoder: Encoder::new(*system_id, *component_id), session, next_tend: now }
             }
         });
     }

@@ -6,7 +6,7 @@ use super::lines::{Line, Lines, cells};
 use super::reader::Reader;
 use crate::head::{Head, SensorKind};
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::Path;
 
 /// As much configuration as is kept, bytes.
@@ -26,7 +26,12 @@ impl Recording<BufReader<File>> {
     /// Opens the recording at `path`.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let file = path.display().to_string();
-        match File::open(path) {
+        // A folder opens like a file and fails when it is read.
+        let opened = File::open(path).and_then(|f| {
+            let folder = f.metadata()?.is_dir();
+            if folder { Err(ErrorKind::IsADirectory.into()) } else { Ok(f) }
+        });
+        match opened {
             Ok(f) => Self::new(BufReader::with_capacity(64 * 1024, f), file),
             Err(source) => Err(ReadError::Open { file, source }),
         }

@@ -27,12 +27,6 @@ impl Module {
         let path = Path::new("/sys/module").join(self.name.replace('-', "_")).join("parameters").join(parameter);
         fs::write(&path, value).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     }
-
-    /// Reads one.
-    pub fn get(&self, parameter: &str) -> String {
-        let path = Path::new("/sys/module").join(self.name.replace('-', "_")).join("parameters").join(parameter);
-        fs::read_to_string(path).unwrap().trim().to_owned()
-    }
 }
 
 impl Drop for Module {

@@ -6,14 +6,15 @@
 //! - [`sky`]: what sensors see, and what the report's scheme must make of it;
 //! - [`mlx`], [`adc`]: sensors that the test moves;
 //! - [`hardware`], [`lines`]: the source of frames and GPIO lines by themselves;
+//! - [`faults`]: what goes wrong on a bus, how soon it is told and over;
 //! - [`flight`], [`attitude`]: attitudes flown through; `check.py` is the listener's side of it.
-#![allow(dead_code, missing_docs, clippy::unwrap_used)]
 
 mod adapter;
 mod adc;
 mod attitude;
 #[path = "../dbus_bus/mod.rs"]
 mod dbus_bus;
+mod faults;
 mod flight;
 mod hardware;
 mod lines;

@@ -112,11 +112,6 @@ impl Daemon {
         });
     }
 
-    /// A new configuration, not yet told.
-    pub fn configure(&self, text: &str) {
-        fs::write(self.folder.path("irhorizon.toml"), text).unwrap();
-    }
-
     pub fn pid(&self) -> u32 {
         self.child.id()
     }
@@ -128,11 +123,6 @@ impl Daemon {
     /// All that it has logged.
     pub fn said(&self) -> String {
         String::from_utf8_lossy(&fs::read(self.folder.path("log")).unwrap()).into_owned()
-    }
-
-    /// Waits until it has logged `text`.
-    pub fn says(&self, text: &str) {
-        wait_for(&format!("the daemon says {text:?}"), || self.said().contains(text).then_some(()));
     }
 
     pub fn is_running(&mut self) -> bool {

@@ -96,6 +96,8 @@ pub struct HardwareSource {
     scan: u64,
     /// When this scan has used up its period.
     deadline: Time,
+    /// The end of the last transfer of this scan, or its beginning.
+    latest: Time,
     system: System,
 }
 
@@ -142,6 +144,7 @@ impl HardwareSource {
             schedule,
             scan: 0,
             deadline: Time::default(),
+            latest: Time::default(),
             system,
         }
     }
@@ -153,7 +156,7 @@ impl HardwareSource {
     fn begin(&mut self) {
         for m in &mut self.members {
             let bus = &self.buses[m.bus].watch;
-            if m.link.is_well() && bus.admits(m.number, (self.system.now)()).is_ok() {
+            if m.link.is_well() && bus.admits(m.number, self.latest).is_ok() {
                 m.fitted.chip.begin();
             }
         }
@@ -161,7 +164,7 @@ impl HardwareSource {
 
     /// Reads a slot, or says why not.
     fn read(&mut self, slot: Slot, tick: Time) -> Reading {
-        let now = self.now();
+        let now = self.latest;
         let late = now > self.deadline;
         let m = &mut self.members[slot.chip];
         let bus = &mut self.buses[m.bus];
@@ -191,7 +194,9 @@ impl HardwareSource {
             reading = self.members[slot.chip].fitted.chip.read(slot.slot);
         }
         let outcome = reading.map(|_| ());
-        let now = self.now();
+        // What succeeded carries the time of its end.
+        self.latest = reading.map_or_else(|_| self.now(), |sample| sample.time);
+        let now = self.latest;
         let m = &mut self.members[slot.chip];
         if m.link.read(outcome, now) {
             m.fitted.chip.close();
@@ -202,7 +207,8 @@ impl HardwareSource {
 
     fn open_chip(&mut self, chip: usize) -> Result<(), Missing> {
         let result = self.members[chip].fitted.chip.open();
-        let now = self.now();
+        self.latest = self.now();
+        let now = self.latest;
         let m = &mut self.members[chip];
         m.link.opened(result, now);
         m.opened += u64::from(result.is_ok());
@@ -216,7 +222,7 @@ impl HardwareSource {
 
     /// Draws the conclusions of a use of the bus by `chip`: for its neighbours, and for the log.
     fn used(&mut self, chip: usize, outcome: Result<(), Missing>, error: Option<BusError>) {
-        let now = self.now();
+        let now = self.latest;
         let index = self.members[chip].bus;
         let bus = &mut self.buses[index];
         let freed = bus.watch.used(self.members[chip].number, bus.members, outcome, now);
@@ -264,7 +270,8 @@ fn words(place: &Place, why: Missing, error: Option<BusError>) -> String {
 impl FrameSource for HardwareSource {
     fn scan(&mut self, tick: Time, frame: &mut Frame) {
         self.scan += 1;
-        self.deadline = tick.max(self.now()) + self.schedule.period;
+        self.latest = self.now();
+        self.deadline = tick.max(self.latest) + self.schedule.period;
         self.buses.iter_mut().for_each(|b| b.watch.begin_scan());
         self.look_for_buses();
         self.step_power();

@@ -18,7 +18,7 @@ impl HardwareSource {
     /// Looks for each bus's device file. An adapter can only be removed once nobody holds its file
     /// open, and its file vanishes before: then every chip on it is closed.
     pub(super) fn look_for_buses(&mut self) {
-        let now = self.now();
+        let now = self.latest;
         for (index, bus) in self.buses.iter_mut().enumerate() {
             if now < bus.next_look {
                 continue;
@@ -55,7 +55,7 @@ impl HardwareSource {
 
     /// Power-cycles what has been silent for too long, step by step.
     pub(super) fn step_power(&mut self) {
-        let now = self.now();
+        let now = self.latest;
         for (index, line) in self.lines.iter_mut().enumerate() {
             let chips = || self.members.iter().filter(|m| m.fitted.power == Some(index));
             let silent_since = chips().filter_map(|m| m.link.silent_since()).min();
@@ -88,7 +88,7 @@ impl HardwareSource {
     /// Lets the chip whose housekeeping is due for the longest time do it.
     pub(super) fn housekeep(&mut self, tick: Time) {
         let Some(offset) = self.schedule.housekeeping else { return };
-        let now = self.now();
+        let now = self.latest;
         let Some(m) = self.members.iter_mut().min_by_key(|m| if m.link.is_well() { m.housekept } else { now }) else {
             return;
         };

@@ -34,7 +34,10 @@ choose_accel() {
 		verdict=$(<"$file")
 	fi
 	local cpus=2
-	if [ "$verdict" = yes ]; then
+	if [ -n "${VM_COUNT:-}" ]; then
+		QEMU_ACCEL=(-accel tcg,thread=single -cpu max -icount "shift=0,sleep=off" -smp 1)
+		return
+	elif [ "$verdict" = yes ]; then
 		QEMU_ACCEL=(-accel kvm -cpu host)
 	else
 		QEMU_ACCEL=(-accel "tcg,thread=multi" -cpu max)

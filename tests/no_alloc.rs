@@ -1,0 +1,144 @@
+//! The sampling loop allocates nothing once its first rounds are over: an allocator that counts
+//! what this thread asks for.
+//!
+//! Faults come and go meanwhile, and a recording listens; what the log does with its lines is the
+//! logger's affair, so the one here formats them into nothing.
+
+use irhorizon::config::Settings;
+use irhorizon::config::settings::SimulationSettings;
+use irhorizon::daemon::sampling::Sampling;
+use irhorizon::frame::Missing;
+use irhorizon::head::Head;
+use irhorizon::horizon::Horizon;
+use irhorizon::recording::Taps;
+use irhorizon::simulation::{Outage, SimulatedSource};
+use irhorizon::sky::FieldOfView;
+use irhorizon::state::Shared;
+use irhorizon::time::Time;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::fmt::Write;
+use std::os::fd::AsFd;
+use std::sync::Arc;
+
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+fn count() {
+    // A thread that ends has no counter any more.
+    let _ = ALLOCATIONS.try_with(|n| n.set(n.get() + 1));
+}
+
+// SAFETY: everything is passed on to the system's allocator; counting allocates nothing.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Formats every line, into nothing.
+struct Nowhere;
+
+struct Void(usize);
+
+impl Write for Void {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        self.0 += text.len();
+        Ok(())
+    }
+}
+
+impl log::Log for Nowhere {
+    fn enabled(&self, _: &log::Metadata<'_>) -> bool {
+        true
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        let mut void = Void(0);
+        assert!(write!(void, "{}", record.args()).is_ok() && void.0 > 0);
+    }
+
+    fn flush(&self) {}
+}
+
+/// Allocations in `rounds` rounds at 50 Hz after `warm` rounds.
+fn allocations(outages: Vec<Outage>, listener: bool, warm: u64, rounds: u64) -> u64 {
+    let _ = log::set_logger(&Nowhere);
+    log::set_max_level(log::LevelFilter::Debug);
+    let settings = Settings { simulation: Some(SimulationSettings::default()), ..Settings::default() };
+    let head = Head::six();
+    let field = FieldOfView::Gaussian { fwhm_deg: 90.0 };
+    let source = SimulatedSource::new(&SimulationSettings::default(), &head, field).with_outages(outages);
+    let (shared, taps) = (Arc::new(Shared::default()), Arc::new(Taps::default()));
+    let tap = listener.then(|| taps.subscribe("time_s\n").unwrap());
+    let horizon = Horizon::new(&settings, head.clone());
+    let mut sampling = Sampling::new(head, Box::new(source), horizon, Arc::clone(&shared), taps, None);
+    let mut packet = [0; 4096];
+    let mut before = 0;
+    for i in 0..warm + rounds {
+        if i == warm {
+            before = ALLOCATIONS.get();
+        }
+        sampling.step(Time::from_nanos(1_000_000_000 + i * 20_000_000));
+        if let Some(tap) = &tap {
+            let (length, _) =
+                rustix::net::recv(tap.as_fd(), &mut packet[..], rustix::net::RecvFlags::DONTWAIT).unwrap();
+            assert!(length > 0);
+        }
+    }
+    assert_eq!(shared.lock().sequence, warm + rounds);
+    ALLOCATIONS.get() - before
+}
+
+#[test]
+fn the_counter_counts() {
+    let before = ALLOCATIONS.get();
+    drop(std::hint::black_box(vec![1_u8; 100]));
+    assert_eq!(ALLOCATIONS.get(), before + 1);
+}
+
+#[test]
+fn all_is_well() {
+    assert_eq!(allocations(Vec::new(), false, 50, 5_000), 0);
+    assert_eq!(allocations(Vec::new(), true, 50, 5_000), 0, "with a recording");
+}
+
+/// Every sensor fails for half a second again and again, each with another reason, for the first
+/// time long after the start.
+#[test]
+fn faults_come_and_go() {
+    let reasons = [
+        Missing::NoAnswer,
+        Missing::BadPec,
+        Missing::ErrorFlag,
+        Missing::Saturated,
+        Missing::NotReady,
+        Missing::Impossible,
+    ];
+    let mut outages = Vec::new();
+    for round in 0..40 {
+        for (sensor, reason) in reasons.into_iter().enumerate() {
+            let from_s = 5.0 + f64::from(round) * 2.0 + sensor as f64 * 0.2;
+            outages.push(Outage { sensor, from_s, to_s: from_s + 0.5, reason });
+        }
+    }
+    // All of them at once: nothing is fresh.
+    outages.extend((0..6).map(|sensor| Outage { sensor, from_s: 90.0, to_s: 92.0, reason: Missing::NoAnswer }));
+    assert_eq!(allocations(outages, true, 50, 5_000), 0);
+}
