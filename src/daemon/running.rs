@@ -95,11 +95,6 @@ impl Running {
                 _ => {}
             }
         }
-        let sampling = Some(sample(settings, &shared, &taps)?);
-        {
-            let (shared, mavlink) = (Arc::clone(&shared), Arc::clone(&mavlink));
-            publishers.push(spawn("mavlink", move || publisher::run(&shared, &mavlink))?);
-        }
         log::info!(
             "irhorizond {}: {} sensors at {} Hz, method {}",
             env!("CARGO_PKG_VERSION"),
@@ -107,6 +102,11 @@ impl Running {
             settings.rate_hz,
             settings.estimator.method.as_str()
         );
+        let sampling = Some(sample(settings, &shared, &taps)?);
+        {
+            let (shared, mavlink) = (Arc::clone(&shared), Arc::clone(&mavlink));
+            publishers.push(spawn("mavlink", move || publisher::run(&shared, &mavlink))?);
+        }
         Ok(Self { settings: loaded.settings, shared, taps, mavlink, desk, sampling, publishers })
     }
 
