@@ -1,5 +1,4 @@
 //! The commands against a fake daemon, word for word. `UPDATE_GOLDEN=1` writes the expected texts.
-#![allow(clippy::unwrap_used)]
 
 use irhorizon::config::settings::BusAddress;
 use irhorizon::ctl::kit::{Daemon, DaemonError, Kit};

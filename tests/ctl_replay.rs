@@ -1,5 +1,4 @@
 //! `replay` with a stand-in for the pipeline: what goes into it, and what is written of what it says.
-#![allow(clippy::unwrap_used)]
 
 use irhorizon::attitude::{Attitude, Estimate, Mode};
 use irhorizon::config::Settings;

@@ -1,5 +1,4 @@
 //! The D-Bus service beside real clients on a real bus.
-#![allow(missing_docs, clippy::unwrap_used)]
 
 mod dbus_bus;
 

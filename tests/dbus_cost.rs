@@ -1,5 +1,4 @@
 //! What the service costs: one thread, and little of a core. Alone in its process, to be measured.
-#![allow(missing_docs, clippy::unwrap_used)]
 
 mod dbus_bus;
 

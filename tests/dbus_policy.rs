@@ -2,7 +2,6 @@
 //!
 //! Other users are played by `setpriv`, which needs root; without root the one thing seen is that
 //! this user may not own the name.
-#![allow(missing_docs, clippy::unwrap_used)]
 
 mod dbus_bus;
 

@@ -1,6 +1,5 @@
 //! The documentation is true: its keys and defaults are the parser's, its examples are accepted, its
 //! `console` blocks give what they show (`…` stands for anything, alone on a line for any lines).
-#![allow(missing_docs, clippy::unwrap_used)]
 
 mod dbus_bus;
 

@@ -1,5 +1,4 @@
 //! Recordings as they come from the field: round trips, and everything that can be wrong with them.
-#![allow(clippy::unwrap_used)]
 
 use irhorizon::frame::{Aiding, Frame, Missing, Sample, Value};
 use irhorizon::head::Head;

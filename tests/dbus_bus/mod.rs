@@ -1,5 +1,5 @@
 //! A message bus of the test's own, and the service on it with a state that the test writes.
-#![allow(dead_code, missing_docs, clippy::unwrap_used)]
+#![allow(dead_code)]
 
 use irhorizon::config::settings::BusAddress;
 use irhorizon::ctl::client::{Client, ClientError};

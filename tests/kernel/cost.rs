@@ -7,7 +7,7 @@
 //! what has arrived. Not counted is what comes with the clock, not with the scan: waiting for the next
 //! one, the quiet before each read, the publisher's thread waking up. The whole daemon's share of the
 //! machine, with all of that and D-Bus, is told beside it.
-#![allow(dead_code, missing_docs, clippy::unwrap_used)]
+#![allow(dead_code)]
 
 mod adapter;
 #[path = "../dbus_bus/mod.rs"]

@@ -2,6 +2,7 @@ use super::*;
 use crate::direction::Direction;
 use crate::frame::{Missing, Sample, Value};
 use crate::head::{Sensor, SensorKind};
+use crate::sky::{Averaging, FieldOfView, Response, Sky};
 use crate::time::Time;
 use proptest::prelude::*;
 
@@ -132,6 +133,48 @@ fn the_standard_deviation_grows_when_the_contrast_is_gone_before_the_range_follo
     let error = bank.roll - after.attitude.unwrap().roll;
     assert!(error > 0.2, "cloud: the angle is underestimated");
     assert!(after.sigma.roll > error * 0.99 && after.sigma.roll > before, "and σ says by how much");
+}
+
+/// Six absolute sensors under one of the report's two skies (figure 6).
+fn report_frame(response: &Response, sky: Sky, attitude: Attitude, time_s: f64) -> Frame {
+    let mut frame = Frame::new(6);
+    for (reading, (_, direction)) in frame.readings.iter_mut().zip(Direction::NAMED) {
+        let object_c = response.sensor_c(direction.dot(attitude.vertical()), sky.ground_c, sky.sky_max_k);
+        let value = Value::Absolute { object_c, ambient_c: None };
+        *reading = Ok(Sample { value, time: Time::from_secs_f64(time_s) });
+    }
+    frame
+}
+
+#[test]
+fn in_the_report_s_own_skies_no_angle_is_underestimated() {
+    let fields = [
+        FieldOfView::InPlane { half_deg: 50.0 },
+        FieldOfView::Cone { half_deg: 50.0 },
+        FieldOfView::Gaussian { fwhm_deg: 90.0 },
+    ];
+    // A hundredth of a degree for the tables.
+    let least = |angle_deg: f64| angle_deg.to_radians() - 2e-4;
+    for (sky, field) in [Sky::NAMIBIA, Sky::DURHAM].into_iter().flat_map(|s| fields.map(|f| (s, f))) {
+        let response = Response::new(sky.shape, field, Averaging::Temperature);
+        for angle in 0..=44 {
+            let angle_deg = f64::from(angle);
+            // Rolled, then pitched, out of level flight.
+            for (bank, climb) in [(angle_deg, 0.0), (0.0, angle_deg)] {
+                let mut e = estimator(Head::six());
+                e.update(&report_frame(&response, sky, Attitude::default(), 0.0));
+                let frame = report_frame(&response, sky, Attitude::from_degrees(bank, climb), 0.001);
+                let a = e.update(&frame).attitude.unwrap();
+                assert!(a.roll >= least(bank) && a.pitch >= least(climb), "{sky:?} {field:?} {bank} {climb}: {a:?}");
+            }
+            // Both at once, and for long.
+            let attitude = Attitude::from_degrees(angle_deg, 20.0);
+            let mut e = estimator(Head::six());
+            e.update(&report_frame(&response, sky, attitude, 0.0));
+            let a = e.update(&report_frame(&response, sky, attitude, 60.0)).attitude.unwrap();
+            assert!(a.roll >= least(angle_deg) && a.pitch >= least(20.0), "{sky:?} {field:?} {angle}: {a:?}");
+        }
+    }
 }
 
 proptest! {
