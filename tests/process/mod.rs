@@ -1,5 +1,5 @@
 //! The daemon as a process: its folder, what it says, how it ends.
-#![allow(dead_code, missing_docs, clippy::unwrap_used)]
+#![allow(dead_code)]
 
 use rustix::process::{Pid, Signal, kill_process};
 use std::fs;
