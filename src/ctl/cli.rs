@@ -1,6 +1,8 @@
 //! The words of the command line.
 
 use crate::config::settings::BusAddress;
+use crate::simulation::scenario::{self, LIST};
+use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -53,6 +55,8 @@ pub enum Command {
     Record(RecordArgs),
     /// Run a recording through the daemon's own estimator
     Replay(ReplayArgs),
+    /// Make up a recording: a flight under a scene, with its true attitude
+    Simulate(SimulateArgs),
 }
 
 /// How `status` speaks.
@@ -120,6 +124,38 @@ pub struct ReplayArgs {
     pub output: Option<PathBuf>,
 }
 
+/// Arguments of `simulate`.
+#[derive(Clone, Debug, Args)]
+pub struct SimulateArgs {
+    /// Which flight and scene
+    #[arg(value_parser = PossibleValuesParser::new(LIST.map(|s| s.0)), required_unless_present = "list")]
+    pub scenario: Option<String>,
+    /// Say what the scenarios are
+    #[arg(long)]
+    pub list: bool,
+    /// What chance decides: the same seed, the same recording
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// How long, up to 7200
+    #[arg(long, default_value_t = scenario::SECONDS, value_parser = flight_seconds)]
+    pub seconds: f64,
+    /// Scans a second, 1 to 200
+    #[arg(long, default_value_t = 50.0, value_parser = rate)]
+    pub rate: f64,
+    /// Fly the demonstration's script instead of turns by chance
+    #[arg(long)]
+    pub scripted: bool,
+    /// Leave out gyro, GPS and airspeed
+    #[arg(long)]
+    pub no_aiding: bool,
+    /// Three pairs in volts instead of six temperatures
+    #[arg(long)]
+    pub differential: bool,
+    /// Where the recording goes; standard output when not given
+    #[arg(long)]
+    pub output: Option<PathBuf>,
+}
+
 fn bus(text: &str) -> Result<BusAddress, String> {
     match text {
         "system" => Ok(BusAddress::System),
@@ -141,6 +177,17 @@ fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(s) if s > 0.0 && s <= 1e9 => Ok(s),
         _ => Err("expected seconds, more than 0".to_owned()),
+    }
+}
+
+fn flight_seconds(text: &str) -> Result<f64, String> {
+    seconds(text).ok().filter(|s| *s <= 7200.0).ok_or_else(|| "expected seconds, more than 0 up to 7200".to_owned())
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(hz) if (1.0..=200.0).contains(&hz) => Ok(hz),
+        _ => Err("expected scans a second, 1 to 200".to_owned()),
     }
 }
 

@@ -7,6 +7,7 @@
 //! - [`error`]: what goes wrong, and the exit codes.
 //! - [`status`], [`prometheus`], [`sensors`]: the state as text.
 //! - [`watch`]: the live horizon.
+//! - [`simulate`]: recordings of flights that never were.
 //! - [`record`], [`replay`]: recordings out of the daemon, and through its pipeline.
 //! - `name`: a name for a recording that was given none; `signals`: a polite end on request.
 
@@ -22,6 +23,7 @@ pub mod replay;
 mod run;
 pub mod sensors;
 mod signals;
+pub mod simulate;
 pub mod status;
 pub mod view;
 pub mod watch;

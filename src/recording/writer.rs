@@ -1,7 +1,8 @@
 //! Frames into a recording: the header once, then a line a frame into one string.
 
-use super::format::{AIDING, AMBIENT, OBJECT, TIME, VOLTS, aiding};
+use super::format::{AIDING, AMBIENT, OBJECT, REFERENCE, TIME, VOLTS, aiding};
 use super::number::{push_digits, push_fixed};
+use super::reader::Reference;
 use crate::frame::{Frame, Value};
 use crate::head::{Head, SensorKind};
 
@@ -9,7 +10,7 @@ use crate::head::{Head, SensorKind};
 const TEMPERATURE_DECIMALS: usize = 2;
 /// Digits of a voltage: an ADS1115 step is 7.8 µV at its finest.
 const VOLTS_DECIMALS: usize = 6;
-/// Digits of aiding values.
+/// Digits of aiding values, and of the reference.
 const AIDING_DECIMALS: usize = 4;
 
 /// Writes the frames of one head.
@@ -46,6 +47,11 @@ impl Writer {
         Self { absolute, header }
     }
 
+    /// The header of a recording whose rows are [`reference_row`](Self::reference_row)s.
+    pub fn reference_header(&self) -> String {
+        format!("{},{}\n", self.header.trim_end(), REFERENCE.join(","))
+    }
+
     /// The lines before the first row, line ends included: version, configuration, columns.
     pub fn header(&self) -> &str {
         &self.header
@@ -54,6 +60,18 @@ impl Writer {
     /// Appends the frame's row, line end included. Time is the end of the scan on the frame's own
     /// clock, to the microsecond.
     pub fn row(&self, frame: &Frame, line: &mut String) {
+        self.cells(frame, line);
+        line.push('\n');
+    }
+
+    /// Appends the frame's row with what a reference says beside it.
+    pub fn reference_row(&self, frame: &Frame, reference: &Reference, line: &mut String) {
+        self.cells(frame, line);
+        push_cells([reference.roll_deg, reference.pitch_deg, reference.yaw_deg], line);
+        line.push('\n');
+    }
+
+    fn cells(&self, frame: &Frame, line: &mut String) {
         push_digits(line, frame.time.as_nanos().saturating_add(500) / 1_000, 6);
         for (i, absolute) in self.absolute.iter().enumerate() {
             let value = frame.readings.get(i).and_then(|r| r.ok()).map(|s| s.value);
@@ -69,11 +87,15 @@ impl Writer {
                 _ => {}
             }
         }
-        for value in aiding(&frame.aiding) {
-            line.push(',');
-            push_fixed(line, value.unwrap_or(f64::NAN), AIDING_DECIMALS);
-        }
-        line.push('\n');
+        push_cells(aiding(&frame.aiding), line);
+    }
+}
+
+/// Appends a comma and a number, or nothing, for each value.
+fn push_cells<const N: usize>(values: [Option<f64>; N], line: &mut String) {
+    for value in values {
+        line.push(',');
+        push_fixed(line, value.unwrap_or(f64::NAN), AIDING_DECIMALS);
     }
 }
 

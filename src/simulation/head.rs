@@ -1,11 +1,11 @@
 //! What each sensor shows: the response to the sky, its lag, its noise, its smallest step.
 
 use super::noise::Noise;
+use super::scene::View;
 use super::script::Weather;
 use crate::direction::Direction;
 use crate::frame::Value;
 use crate::head::{Head, SensorKind};
-use crate::sky::Response;
 
 /// The smallest step of an MLX90614, K (datasheet 8.4.5: 0.02 K a bit, from 0 K).
 const ABSOLUTE_STEP_K: f64 = 0.02;
@@ -95,27 +95,17 @@ impl SimulatedHead {
         self.die_c = self.die.update(weather.ground_c + DIE_ABOVE_GROUND_K, dt_s);
     }
 
-    /// What sensor `index` shows at an attitude whose upward vertical is `vertical`, `dt_s` after
-    /// it was last asked.
-    pub fn sense(
-        &mut self,
-        index: usize,
-        vertical: [f64; 3],
-        response: &Response,
-        weather: &Weather,
-        dt_s: f64,
-    ) -> Value {
-        let Weather { ground_c, sky_max_k, .. } = *weather;
+    /// What sensor `index` shows of a view, `dt_s` after it was last asked.
+    pub fn sense(&mut self, index: usize, view: &View<'_>, dt_s: f64) -> Value {
         let sensor = &mut self.sensors[index];
-        let sin_elevation = sensor.direction.dot(vertical);
         let noise = self.noise_k * sensor.noise.normal();
         match sensor.kind {
             SensorKind::Absolute => {
-                let seen = sensor.lag.update(response.sensor_c(sin_elevation, ground_c, sky_max_k), dt_s);
+                let seen = sensor.lag.update(view.sensor_c(sensor.direction), dt_s);
                 Value::Absolute { object_c: as_read(seen + noise), ambient_c: Some(as_read(self.die_c)) }
             }
             SensorKind::Pair { neutral_v, kelvin_per_v } => {
-                let seen = sensor.lag.update(response.pair_k(sin_elevation, ground_c, sky_max_k), dt_s);
+                let seen = sensor.lag.update(view.pair_k(sensor.direction), dt_s);
                 Value::Volts(quantised(neutral_v + (seen + noise) / kelvin_per_v, self.volts_step))
             }
         }

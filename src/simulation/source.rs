@@ -1,23 +1,38 @@
 //! A made-up flight as a source of frames.
 
+use super::aircraft::Trajectory;
 use super::flight::Flight;
 use super::head::SimulatedHead;
+use super::instruments::Instruments;
+use super::noise::Noise;
+use super::orientation::Orientation;
+use super::scene::Scene;
 use super::script::{Outage, Weather};
 use crate::attitude::Attitude;
 use crate::config::settings::{SimulationSettings, SkyName};
-use crate::frame::{Frame, Missing, Sample};
+use crate::frame::{Aiding, Frame, Missing, Sample};
 use crate::head::Head;
-use crate::sky::{Averaging, FieldOfView, Response, Sky};
+use crate::sky::{Averaging, FieldOfView, Sky};
 use crate::source::{FrameSource, Integrity, SensorHealth};
 use crate::time::Time;
+use std::f64::consts::TAU;
+
+/// What is flown.
+#[derive(Clone, Debug)]
+enum Path {
+    Flight(Flight),
+    Trajectory(Trajectory),
+}
 
 /// Flies through a made-up sky. The same settings, seed and ticks give the same bytes.
 #[derive(Clone, Debug)]
 pub struct SimulatedSource {
-    flight: Flight,
+    path: Path,
+    instruments: Option<Instruments>,
+    /// The chance of a scan without any word, and what decides.
+    dropped: (f64, Noise),
     field: FieldOfView,
-    sky: Sky,
-    response: Response,
+    scene: Scene,
     head: SimulatedHead,
     /// In order of time; empty: the sky's own values for ever.
     weather: Vec<Weather>,
@@ -41,10 +56,11 @@ impl SimulatedSource {
         };
         let health = SensorHealth { integrity: Integrity::None, settling_s: settings.lag_s, ..SensorHealth::default() };
         Self {
-            flight: Flight::demo(settings.seed),
+            path: Path::Flight(Flight::demo(settings.seed)),
+            instruments: None,
+            dropped: (0.0, Noise::new(settings.seed)),
             field,
-            sky,
-            response: Response::new(sky.shape, field, Averaging::Temperature),
+            scene: Scene::new(sky, field, Averaging::Temperature),
             head: SimulatedHead::new(head, settings.lag_s, settings.noise_c, settings.seed),
             weather: Vec::new(),
             outages: Vec::new(),
@@ -58,14 +74,37 @@ impl SimulatedSource {
 
     /// Another flight.
     pub fn with_flight(mut self, flight: Flight) -> Self {
-        self.flight = flight;
+        self.path = Path::Flight(flight);
+        self
+    }
+
+    /// A flight with heading, speed and body rates.
+    pub fn with_trajectory(mut self, trajectory: Trajectory) -> Self {
+        self.path = Path::Trajectory(trajectory);
+        self
+    }
+
+    /// Instruments beside the head; they tell of a trajectory alone.
+    pub fn with_instruments(mut self, instruments: Instruments) -> Self {
+        self.instruments = Some(instruments);
+        self
+    }
+
+    /// Scans of which nothing arrives, by chance: 0..1 of all, chosen by `seed`.
+    pub fn with_dropped(mut self, share: f64, seed: u64) -> Self {
+        self.dropped = (share, Noise::new(seed));
         self
     }
 
     /// Another sky, or sensors that average radiance.
     pub fn with_sky(mut self, sky: Sky, averaging: Averaging) -> Self {
-        self.sky = sky;
-        self.response = Response::new(sky.shape, self.field, averaging);
+        self.scene = Scene::new(sky, self.field, averaging);
+        self
+    }
+
+    /// Another scene, seen through its own field of view.
+    pub fn with_scene(mut self, scene: Scene) -> Self {
+        self.scene = scene;
         self
     }
 
@@ -97,17 +136,27 @@ impl SimulatedSource {
     /// The attitude truly flown at `time`. Before the first scan, with no origin given, the flight
     /// begins at the clock's zero.
     pub fn truth_at(&self, time: Time) -> Attitude {
-        self.flight.attitude(self.flown_s(time))
+        match &self.path {
+            Path::Flight(flight) => flight.attitude(self.flown_s(time)),
+            Path::Trajectory(trajectory) => trajectory.at(self.flown_s(time)).attitude(),
+        }
+    }
+
+    /// Where the nose truly points at `time`, rad clockwise from north in 0..2π; 0 for a flight
+    /// without heading.
+    pub fn yaw_at(&self, time: Time) -> f64 {
+        match &self.path {
+            Path::Flight(_) => 0.0,
+            Path::Trajectory(trajectory) => trajectory.at(self.flown_s(time)).angles[2].rem_euclid(TAU),
+        }
     }
 
     /// The weather at `time`.
     pub fn weather_at(&self, time: Time) -> Weather {
         let time_s = self.flown_s(time);
-        Weather::at(&self.weather, time_s).unwrap_or(Weather {
-            time_s,
-            ground_c: self.sky.ground_c,
-            sky_max_k: self.sky.sky_max_k,
-        })
+        let Sky { ground_c, sky_max_k, .. } = self.scene.sky();
+        let weather = Weather::at(&self.weather, time_s).unwrap_or(Weather { time_s, ground_c, sky_max_k });
+        Weather { time_s, ..weather }
     }
 
     fn flown_s(&self, time: Time) -> f64 {
@@ -120,12 +169,18 @@ impl FrameSource for SimulatedSource {
         self.origin.get_or_insert(tick);
         let dt_s = self.last_tick.map_or(0.0, |last| tick.since(last));
         self.last_tick = Some(tick);
-        let (flown_s, weather, vertical) = (self.flown_s(tick), self.weather_at(tick), self.truth_at(tick).vertical());
+        let (flown_s, weather) = (self.flown_s(tick), self.weather_at(tick));
+        let orientation = Orientation::new(self.truth_at(tick), self.yaw_at(tick));
+        let view = self.scene.view(orientation, &weather);
+        frame.aiding = match (&mut self.instruments, &self.path) {
+            (Some(instruments), Path::Trajectory(trajectory)) => instruments.read(trajectory, flown_s),
+            _ => Aiding::default(),
+        };
         self.head.advance(&weather, dt_s);
         self.buses_down.fill(None);
         for (i, (reading, health)) in frame.readings.iter_mut().zip(&mut self.health).enumerate() {
             // A sensor that does not answer goes on looking.
-            let value = self.head.sense(i, vertical, &self.response, &weather, dt_s);
+            let value = self.head.sense(i, &view, dt_s);
             *reading = match Outage::at(&self.outages, i, flown_s) {
                 None => {
                     health.counters.reads += 1;
@@ -152,6 +207,11 @@ impl FrameSource for SimulatedSource {
             };
         }
         frame.time = tick;
+        let (share, chance) = &mut self.dropped;
+        if *share > 0.0 && chance.uniform() <= *share {
+            frame.readings.fill(Err(Missing::Empty));
+            frame.aiding = Aiding::default();
+        }
     }
 
     fn health(&self) -> &[SensorHealth] {

@@ -1,0 +1,171 @@
+//! What makes a scene differ from direction to direction: a warm side, ridges, clouds.
+
+use super::noise::Noise;
+use std::f64::consts::PI;
+
+/// How warmth goes round the compass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Round {
+    /// `½ (1 + cos)` of the azimuth from the warmest one.
+    Cosine,
+    /// One half of the compass and not the other.
+    Half,
+}
+
+/// One side of the world is warmer: the sun on a slope, a coast, the evening sky.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WarmSide {
+    /// The warmest direction, ° clockwise from north.
+    pub azimuth_deg: f64,
+    /// The warmest direction less the coldest, K.
+    pub amplitude_k: f64,
+    /// How it goes round.
+    pub round: Round,
+    /// Whether the sky has it.
+    pub sky: bool,
+    /// Whether the ground has it.
+    pub ground: bool,
+}
+
+impl WarmSide {
+    /// The warmth, K, in the direction of `north` and `east`, of the ground or of the sky.
+    pub(super) fn warmth_k(&self, north: f64, east: f64, ground: bool) -> f64 {
+        if !(if ground { self.ground } else { self.sky }) {
+            return 0.0;
+        }
+        let (sin, cos) = self.azimuth_deg.to_radians().sin_cos();
+        let toward = north * cos + east * sin;
+        let share = match self.round {
+            Round::Half => f64::from(toward > 0.0),
+            Round::Cosine => 0.5 + 0.5 * toward / north.hypot(east).max(1e-12),
+        };
+        self.amplitude_k * share
+    }
+}
+
+/// A ridge above the horizon, as warm as the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ridge {
+    /// Its middle, ° clockwise from north.
+    pub azimuth_deg: f64,
+    /// From end to end, °.
+    pub width_deg: f64,
+    /// At its middle, ° above the horizon; it falls to nothing at its ends as a raised cosine.
+    pub height_deg: f64,
+}
+
+impl Ridge {
+    /// The tangent of its elevation at an azimuth, rad; 0 beside it.
+    pub(super) fn outline(&self, azimuth: f64) -> f64 {
+        let off = wrapped(azimuth - self.azimuth_deg.to_radians()).to_degrees() / self.width_deg;
+        if off.abs() < 0.5 { (self.height_deg * (0.5 + 0.5 * (2.0 * PI * off).cos())).to_radians().tan() } else { 0.0 }
+    }
+}
+
+/// A round cloud.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cloud {
+    /// Its middle, ° clockwise from north.
+    pub azimuth_deg: f64,
+    /// Its middle, ° above the horizon.
+    pub elevation_deg: f64,
+    /// Where its opacity has fallen by half, ° from its middle.
+    pub radius_deg: f64,
+    /// Its opacity in the middle, 0..1.
+    pub opacity: f64,
+    /// Its edge from full to none, °.
+    pub edge_deg: f64,
+}
+
+const AZIMUTHS: usize = 360;
+const ELEVATIONS: usize = 91;
+
+/// Clouds that go round together: a map of their opacity, 1° by 1°.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clouds {
+    map: Vec<f64>,
+    drift: f64,
+    base_k: f64,
+}
+
+impl Clouds {
+    /// These clouds, going round by `drift_deg_s` clockwise; their underside is `base_k` colder than
+    /// the ground, or as cold as the sky behind where that is the warmer one.
+    pub fn new(clouds: &[Cloud], drift_deg_s: f64, base_k: f64) -> Self {
+        let mut made = Self { map: vec![0.0; AZIMUTHS * ELEVATIONS], drift: drift_deg_s.to_radians(), base_k };
+        for cloud in clouds {
+            made.add(cloud);
+        }
+        made
+    }
+
+    /// Scattered cumulus that covers `cover` (0..1) of the sky, chosen by `seed`: clouds of 5° to 15°
+    /// radius with soft edges, 8 K colder than the ground, that drift by 0.1 °/s.
+    pub fn cumulus(cover: f64, seed: u64) -> Self {
+        let mut made = Self::new(&[], 0.1, 8.0);
+        let mut noise = Noise::new(seed);
+        // Each adds about half a percent: a sky that cannot be filled ends too.
+        for _ in 0..2000 {
+            if made.cover() >= cover {
+                break;
+            }
+            made.add(&Cloud {
+                azimuth_deg: 360.0 * noise.uniform(),
+                elevation_deg: noise.uniform().asin().to_degrees(),
+                radius_deg: 5.0 + 10.0 * noise.uniform(),
+                opacity: 0.8 + 0.2 * noise.uniform(),
+                edge_deg: 4.0,
+            });
+        }
+        made
+    }
+
+    /// Where clouds lie over each other the densest counts.
+    fn add(&mut self, cloud: &Cloud) {
+        let (sin, cos) = cloud.elevation_deg.to_radians().sin_cos();
+        for azimuth in 0..AZIMUTHS {
+            for elevation in 0..ELEVATIONS {
+                let (s, c) = (elevation as f64).to_radians().sin_cos();
+                let round = (azimuth as f64 - cloud.azimuth_deg).to_radians().cos();
+                let off_deg = (sin * s + cos * c * round).clamp(-1.0, 1.0).acos().to_degrees();
+                let inside = (0.5 + (cloud.radius_deg - off_deg) / cloud.edge_deg.max(0.01)).clamp(0.0, 1.0);
+                let opacity = cloud.opacity * inside * inside * (3.0 - 2.0 * inside);
+                let cell = &mut self.map[elevation * AZIMUTHS + azimuth];
+                *cell = cell.max(opacity);
+            }
+        }
+    }
+
+    /// The share of the sky that is covered, 0..1.
+    pub fn cover(&self) -> f64 {
+        let (mut covered, mut whole) = (0.0, 0.0);
+        for (i, opacity) in self.map.iter().enumerate() {
+            let area = ((i / AZIMUTHS) as f64).to_radians().cos();
+            covered += opacity * area;
+            whole += area;
+        }
+        covered / whole
+    }
+
+    /// The opacity, 0..1, at an azimuth and elevation, rad, `time_s` after the flight began.
+    fn opacity(&self, azimuth: f64, elevation: f64, time_s: f64) -> f64 {
+        let x = (azimuth - self.drift * time_s).to_degrees().rem_euclid(AZIMUTHS as f64);
+        let y = elevation.to_degrees().clamp(0.0, (ELEVATIONS - 1) as f64);
+        let (left, low) = (x as usize % AZIMUTHS, (y as usize).min(ELEVATIONS - 2));
+        let right = (left + 1) % AZIMUTHS;
+        let (dx, dy) = (x.fract(), y - low as f64);
+        let row = |e: usize| self.map[e * AZIMUTHS + left] * (1.0 - dx) + self.map[e * AZIMUTHS + right] * dx;
+        row(low) * (1.0 - dy) + row(low + 1) * dy
+    }
+
+    /// What is left of a sky that is `deficit_k` colder than the ground, K.
+    pub(super) fn through_k(&self, deficit_k: f64, azimuth: f64, elevation: f64, time_s: f64) -> f64 {
+        deficit_k - self.opacity(azimuth, elevation, time_s) * (deficit_k - deficit_k.min(self.base_k))
+    }
+}
+
+/// An angle in (−π, π].
+pub(super) fn wrapped(angle: f64) -> f64 {
+    let turned = (angle + PI).rem_euclid(2.0 * PI) - PI;
+    if turned <= -PI { PI } else { turned }
+}

@@ -1,0 +1,245 @@
+//! Flights and scenes with names, for tests, for tuning and for whoever wants to try the estimators.
+
+use super::aircraft::{Aircraft, Trajectory};
+use super::feature::{Clouds, Ridge, Round, WarmSide};
+use super::flight::{Flight, Waypoint};
+use super::instruments::{Fitted, Instruments};
+use super::manoeuvre::{Random, Style};
+use super::noise::Noise;
+use super::scene::Scene;
+use super::script::Weather;
+use super::source::SimulatedSource;
+use crate::config::settings::{SimulationSettings, SkyName};
+use crate::direction::Direction;
+use crate::head::{Head, Sensor, SensorKind};
+use crate::sky::{Averaging, FieldOfView, Response, Shape, Sky};
+
+/// How long a scenario lasts unless said otherwise, s.
+pub const SECONDS: f64 = 300.0;
+/// Full width at half maximum of the sensors' field of view, °.
+const FIELD_DEG: f64 = 90.0;
+
+/// The names, with what they stand for.
+pub const LIST: [(&str, &str); 16] = [
+    ("clear-dry", "a dry grey atmosphere, contrast 40 K"),
+    ("clear-humid", "a humid grey atmosphere, contrast 25 K"),
+    ("namibia", "the report's Namibian night"),
+    ("durham", "the report's Durham afternoon"),
+    ("overcast", "a closed cloud cover, contrast 8 K"),
+    ("cumulus", "drifting clouds over a third of a clear sky"),
+    ("warm-side", "ground and sky warmer by 5 K to one side"),
+    ("warm-sky", "the sky alone warmer by 5 K to one side"),
+    ("warm-side-sharp", "ground and sky warmer by 5 K over one half of the compass"),
+    ("into-cloud", "from 40 K to 10 K in 1.5 s and back, again and again"),
+    ("lag-0.3", "clear and dry, sensors that lag by 0.3 s"),
+    ("no-lag", "clear and dry, sensors without lag"),
+    ("inverted", "clear and dry, rolls and inverted flight"),
+    ("ridge", "clear and dry, with ridges of 6° and 3°"),
+    ("radiance", "clear and dry, sensors that average radiance"),
+    ("narrow", "clear and dry, sensors of 70° that are told to be of 90°"),
+];
+
+/// A flight under a scene, before chance has had its say.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    name: &'static str,
+    sky: Sky,
+    averaging: Averaging,
+    field_deg: f64,
+    lag_s: f64,
+    noise_k: f64,
+    weather: Vec<Weather>,
+    aircraft: Aircraft,
+    style: Option<Style>,
+    fitted: Option<Fitted>,
+    differential: bool,
+    seconds: f64,
+    dropped: f64,
+}
+
+impl Scenario {
+    /// The scenario called `name`, one of [`LIST`].
+    pub fn named(name: &str) -> Option<Self> {
+        let name = LIST.iter().find(|(n, _)| *n == name)?.0;
+        let dry = sky(15.0, 40.0, 0.3);
+        let mut made = Self {
+            name,
+            sky: dry,
+            averaging: Averaging::Temperature,
+            field_deg: FIELD_DEG,
+            lag_s: 0.1,
+            noise_k: 0.08,
+            weather: Vec::new(),
+            aircraft: Aircraft::default(),
+            style: None,
+            fitted: Some(Fitted::default()),
+            differential: false,
+            seconds: SECONDS,
+            dropped: 0.0,
+        };
+        match name {
+            "clear-humid" => made.sky = sky(24.0, 25.0, 1.5),
+            "namibia" => made.sky = Sky::NAMIBIA,
+            "durham" => made.sky = Sky::DURHAM,
+            "overcast" => made.sky = sky(12.0, 8.0, 3.0),
+            "into-cloud" => {
+                made.sky = Sky::NAMIBIA;
+                made.weather = into_cloud();
+            }
+            "lag-0.3" => made.lag_s = 0.3,
+            "no-lag" => made.lag_s = 0.0,
+            "inverted" => made.style = Some(Style::Scripted(rolls())),
+            "radiance" => made.averaging = Averaging::Radiance,
+            "narrow" => made.field_deg = 70.0,
+            _ => {}
+        }
+        Some(made)
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// For so many seconds, up to a day, after which the aircraft stays as it is.
+    pub fn lasting(mut self, seconds: f64) -> Self {
+        self.seconds = seconds;
+        self
+    }
+
+    /// How long it lasts, s.
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// Flown by the demonstration's script, whose turbulence is a sum of sines, where the scenario
+    /// has no script of its own.
+    pub fn scripted(mut self, seed: u64) -> Self {
+        self.style.get_or_insert(Style::Scripted(Flight::demo(seed).with_turbulence(1.3, 0.4, seed)));
+        self
+    }
+
+    /// Flown by another aircraft.
+    pub fn with_aircraft(mut self, aircraft: Aircraft) -> Self {
+        self.aircraft = aircraft;
+        self
+    }
+
+    /// With other instruments, or none.
+    pub fn with_instruments(mut self, fitted: Option<Fitted>) -> Self {
+        self.fitted = fitted;
+        self
+    }
+
+    /// With a head of three pairs in volts.
+    pub fn differential(mut self) -> Self {
+        self.differential = true;
+        self
+    }
+
+    /// With scans of which nothing arrives: 0..1 of all.
+    pub fn with_dropped(mut self, share: f64) -> Self {
+        self.dropped = share;
+        self
+    }
+
+    /// The head.
+    pub fn head(&self) -> Head {
+        if !self.differential {
+            return Head::six();
+        }
+        let kind = SensorKind::Pair { neutral_v: 0.0, kelvin_per_v: 40.0 };
+        let pairs = [("long", Direction::NOSE), ("lat", Direction::LEFT), ("vert", Direction::UP)];
+        let sensors = pairs.map(|(name, direction)| Sensor { name: name.to_owned(), direction, kind, bus: None });
+        Head::new(sensors.into(), Vec::new())
+    }
+
+    /// The field of view that an estimator is told; the sensors' true one but in `narrow`.
+    pub fn field(&self) -> FieldOfView {
+        FieldOfView::Gaussian { fwhm_deg: FIELD_DEG }
+    }
+
+    /// Chance has its say: the same seed gives the same frames.
+    pub fn source(&self, seed: u64) -> SimulatedSource {
+        let mut seeds = Noise::new(seed);
+        let settings =
+            SimulationSettings { sky: SkyName::Namibia, noise_c: self.noise_k, lag_s: self.lag_s, seed: seeds.bits() };
+        let mut aircraft = self.aircraft;
+        let (sin, cos) = (std::f64::consts::TAU * seeds.uniform()).sin_cos();
+        if aircraft.wind_m_s == [0.0; 2] {
+            aircraft.wind_m_s = [5.0 * cos, 5.0 * sin];
+        }
+        let style = self.style.clone().unwrap_or(Style::Random(Random::default()));
+        let trajectory = Trajectory::fly(&aircraft, &style, self.seconds + 1.0, seeds.bits());
+        let field = FieldOfView::Gaussian { fwhm_deg: self.field_deg };
+        let mut source = SimulatedSource::new(&settings, &self.head(), field)
+            .with_scene(self.scene(field, &mut seeds))
+            .with_weather(self.weather.clone())
+            .with_trajectory(trajectory)
+            .with_dropped(self.dropped, seeds.bits());
+        if let Some(fitted) = self.fitted {
+            source = source.with_instruments(Instruments::new(fitted, seeds.bits()));
+        }
+        source
+    }
+
+    fn scene(&self, field: FieldOfView, seeds: &mut Noise) -> Scene {
+        let scene = Scene::new(self.sky, field, self.averaging);
+        let azimuth_deg = 360.0 * seeds.uniform();
+        let warm = |round, ground| WarmSide { azimuth_deg, amplitude_k: 5.0, round, sky: true, ground };
+        let ridge = |turn, width_deg, height_deg| Ridge { azimuth_deg: azimuth_deg + turn, width_deg, height_deg };
+        match self.name {
+            "cumulus" => scene.with_clouds(Clouds::cumulus(0.3, seeds.bits())),
+            "warm-side" => scene.with_warm_side(warm(Round::Cosine, true)),
+            "warm-sky" => scene.with_warm_side(warm(Round::Cosine, false)),
+            "warm-side-sharp" => scene.with_warm_side(warm(Round::Half, true)),
+            "ridge" => scene.with_ridge(ridge(0.0, 120.0, 6.0)).with_ridge(ridge(170.0, 60.0, 3.0)),
+            _ => scene,
+        }
+    }
+}
+
+/// A grey atmosphere under which a vertical pair of the usual field sees `contrast_k`.
+fn sky(ground_c: f64, contrast_k: f64, depth: f64) -> Sky {
+    let shape = Shape::Grey { depth };
+    let field = FieldOfView::Gaussian { fwhm_deg: FIELD_DEG };
+    let share = Response::new(shape, field, Averaging::Temperature).pair_k(1.0, 0.0, 1.0);
+    Sky { ground_c, sky_max_k: contrast_k / share, shape }
+}
+
+/// A cloud every 40 s that stays for 15 s.
+fn into_cloud() -> Vec<Weather> {
+    let at = |time_s, sky_max_k| Weather { time_s, ground_c: Sky::NAMIBIA.ground_c, sky_max_k };
+    let cycle = |i: u32| {
+        let begin = 20.0 + 40.0 * f64::from(i);
+        [at(begin, 40.0), at(begin + 1.5, 10.0), at(begin + 16.5, 10.0), at(begin + 18.0, 40.0)]
+    };
+    (0..2160).flat_map(cycle).collect()
+}
+
+/// Rolls both ways, inverted flight, and turns between them, in turbulence.
+fn rolls() -> Flight {
+    // Seconds since the last, roll.
+    let cycle: [(f64, f64); 14] = [
+        (5.0, 0.0),
+        (6.0, 360.0),
+        (4.0, 360.0),
+        (3.0, 540.0),
+        (8.0, 540.0),
+        (1.0, 560.0),
+        (4.0, 560.0),
+        (3.0, 720.0),
+        (4.0, 720.0),
+        (2.0, 680.0),
+        (8.0, 680.0),
+        (2.0, 720.0),
+        (3.0, 720.0),
+        (8.0, 0.0),
+    ];
+    let mut time_s = 0.0;
+    let waypoints = cycle.iter().cycle().take(cycle.len() * 1500).map(|(step_s, roll_deg)| {
+        time_s += step_s;
+        Waypoint { time_s, roll_deg: *roll_deg, pitch_deg: 3.0 }
+    });
+    Flight::scripted(waypoints.collect()).with_turbulence(1.3, 0.5, 1)
+}
