@@ -169,3 +169,54 @@ pub(super) fn wrapped(angle: f64) -> f64 {
     let turned = (angle + PI).rem_euclid(2.0 * PI) - PI;
     if turned <= -PI { PI } else { turned }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warmth_goes_round_the_compass() {
+        let east = WarmSide { azimuth_deg: 90.0, amplitude_k: 4.0, round: Round::Cosine, sky: true, ground: false };
+        for (north, east_part, warmth_k) in [(0.0, 0.7, 4.0), (0.0, -0.1, 0.0), (1.0, 0.0, 2.0), (0.0, 0.0, 2.0)] {
+            assert!((east.warmth_k(north, east_part, false) - warmth_k).abs() < 1e-9);
+            assert_eq!(east.warmth_k(north, east_part, true), 0.0);
+        }
+        let half = WarmSide { round: Round::Half, ..east };
+        assert_eq!([half.warmth_k(9.0, 0.1, false), half.warmth_k(9.0, -0.1, false)], [4.0, 0.0]);
+    }
+
+    #[test]
+    fn a_ridge_rises_from_its_ends_to_its_middle() {
+        let ridge = Ridge { azimuth_deg: 350.0, width_deg: 60.0, height_deg: 8.0 };
+        let height = |azimuth: f64| ridge.outline(azimuth.to_radians()).atan().to_degrees();
+        assert!((height(-10.0) - 8.0).abs() < 1e-9 && (height(5.0) - 4.0).abs() < 1e-9);
+        assert_eq!([height(30.0), height(170.0)], [0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_cloud_hides_the_sky_in_its_middle_and_drifts() {
+        let cloud = Cloud { azimuth_deg: 10.0, elevation_deg: 40.0, radius_deg: 10.0, opacity: 0.5, edge_deg: 4.0 };
+        let clouds = Clouds::new(&[cloud], 2.0, 8.0);
+        let left = |azimuth: f64, elevation: f64, time_s| {
+            clouds.through_k(30.0, azimuth.to_radians(), elevation.to_radians(), time_s)
+        };
+        // Half of the way from 30 K to the underside's 8 K.
+        assert!((left(10.0, 40.0, 0.0) - 19.0).abs() < 1e-9);
+        assert!((left(10.0, 50.0, 0.0) - 24.5).abs() < 0.1);
+        assert_eq!(left(10.0, 55.0, 0.0), 30.0);
+        assert!((left(350.0, 40.0, -10.0) - 19.0).abs() < 1e-9);
+        // Behind it the sky is as warm already.
+        assert_eq!(clouds.through_k(5.0, 0.175, 0.698, 0.0), 5.0);
+    }
+
+    #[test]
+    fn cumulus_covers_what_is_asked() {
+        for seed in 0..5 {
+            let cover = Clouds::cumulus(0.3, seed).cover();
+            assert!((0.3..0.34).contains(&cover), "{cover}");
+        }
+        assert_eq!(Clouds::cumulus(0.0, 1).cover(), 0.0);
+        assert!(Clouds::cumulus(f64::NAN, 1).cover() < 1.0);
+        assert_ne!(Clouds::cumulus(0.3, 1), Clouds::cumulus(0.3, 2));
+    }
+}

@@ -98,3 +98,75 @@ fn due(next_s: &mut f64, time_s: f64, every_s: f64) -> bool {
     }
     is_due
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::aircraft::Aircraft;
+    use super::super::flight::{Flight, Waypoint};
+    use super::super::manoeuvre::Style;
+    use super::*;
+
+    /// A minute at a bank of 30°, then a roll to 0 within a second, then level.
+    fn trajectory() -> Trajectory {
+        let at = |time_s, roll_deg| Waypoint { time_s, roll_deg, pitch_deg: 0.0 };
+        let aircraft = Aircraft { airspeed_rms_m_s: 0.0, updraught_m_s: 0.0, ..Aircraft::default() };
+        let style = Style::Scripted(Flight::scripted(vec![at(60.0, 30.0), at(61.0, 0.0)]));
+        Trajectory::fly(&aircraft, &style, 70.0, 1)
+    }
+
+    fn read(fitted: Fitted, seed: u64) -> Vec<Aiding> {
+        let (trajectory, mut instruments) = (trajectory(), Instruments::new(fitted, seed));
+        (0..3000).map(|i| instruments.read(&trajectory, f64::from(i) * 0.02)).collect()
+    }
+
+    fn spread(values: &[f64]) -> (f64, f64) {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt())
+    }
+
+    #[test]
+    fn each_speaks_at_its_own_rate_with_its_own_noise() {
+        let all = read(Fitted::default(), 1);
+        let airspeed: Vec<f64> = all.iter().filter_map(|a| a.airspeed_m_s).collect();
+        let climb: Vec<f64> = all.iter().filter_map(|a| a.climb_m_s).collect();
+        let course = all.iter().filter_map(|a| a.course_deg);
+        assert_eq!((airspeed.len(), climb.len(), course.count()), (600, 300, 300));
+        let (mean, rms) = spread(&airspeed);
+        assert!((mean - 18.0).abs() < 0.05 && (rms - 0.3).abs() < 0.04, "{mean} {rms}");
+        assert!((spread(&climb).1 - 0.2).abs() < 0.03);
+        // Turning to the right, level: the rate is all about down and right.
+        let turn = (9.80665 * 30_f64.to_radians().tan() / 18.0).to_degrees();
+        for (axis, expected) in [0.0, turn * 0.5, turn * 30_f64.to_radians().cos()].into_iter().enumerate() {
+            let rates: Vec<f64> = all.iter().filter_map(|a| a.gyro_deg_s[axis]).collect();
+            let (mean, rms) = spread(&rates);
+            assert_eq!(rates.len(), 3000);
+            assert!((mean - expected).abs() < 2.0 && (mean - expected).abs() > 0.001, "{axis}: {mean}");
+            assert!((0.095..0.13).contains(&rms), "{axis}: {rms}");
+        }
+    }
+
+    #[test]
+    fn a_fix_is_as_old_as_it_is_said_to_be() {
+        let trajectory = trajectory();
+        let course = |gps_delay_s: f64| {
+            let mut sum = 0.0;
+            for seed in 0..200 {
+                let mut gps = Instruments::new(Fitted { gps_delay_s, ..Fitted::default() }, seed);
+                sum += gps.read(&trajectory, 30.0).course_deg.unwrap();
+            }
+            sum / 200.0
+        };
+        let turn = (9.80665 * 30_f64.to_radians().tan() / 18.0).to_degrees();
+        let behind = (course(0.0) - course(0.5)).rem_euclid(360.0);
+        assert!((behind - 0.5 * turn).abs() < 0.3, "{behind}");
+    }
+
+    #[test]
+    fn what_is_not_fitted_says_nothing_and_changes_no_other() {
+        let none = Fitted { gyro: false, gps: false, airspeed: false, gps_delay_s: 0.1 };
+        assert!(read(none, 1).iter().all(|a| *a == Aiding::default()));
+        let gps = read(Fitted { gps: true, ..none }, 1);
+        let all = read(Fitted::default(), 1);
+        assert!(gps.iter().zip(&all).all(|(a, b)| a.course_deg == b.course_deg && a.gyro_deg_s == [None; 3]));
+    }
+}

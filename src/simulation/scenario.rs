@@ -20,7 +20,7 @@ pub const SECONDS: f64 = 300.0;
 const FIELD_DEG: f64 = 90.0;
 
 /// The names, with what they stand for.
-pub const LIST: [(&str, &str); 16] = [
+pub const LIST: [(&str, &str); 17] = [
     ("clear-dry", "a dry grey atmosphere, contrast 40 K"),
     ("clear-humid", "a humid grey atmosphere, contrast 25 K"),
     ("namibia", "the report's Namibian night"),
@@ -36,6 +36,7 @@ pub const LIST: [(&str, &str); 16] = [
     ("inverted", "clear and dry, rolls and inverted flight"),
     ("ridge", "clear and dry, with ridges of 6° and 3°"),
     ("radiance", "clear and dry, sensors that average radiance"),
+    ("uncoordinated", "clear and dry, a heading that lags the turn and yaws about it"),
     ("narrow", "clear and dry, sensors of 70° that are told to be of 90°"),
 ];
 
@@ -49,7 +50,7 @@ pub struct Scenario {
     lag_s: f64,
     noise_k: f64,
     weather: Vec<Weather>,
-    aircraft: Aircraft,
+    aircraft: Option<Aircraft>,
     style: Option<Style>,
     fitted: Option<Fitted>,
     differential: bool,
@@ -70,7 +71,7 @@ impl Scenario {
             lag_s: 0.1,
             noise_k: 0.08,
             weather: Vec::new(),
-            aircraft: Aircraft::default(),
+            aircraft: None,
             style: None,
             fitted: Some(Fitted::default()),
             differential: false,
@@ -119,9 +120,9 @@ impl Scenario {
         self
     }
 
-    /// Flown by another aircraft.
+    /// Flown by another aircraft, in its own wind; else in one of 5 m/s from anywhere.
     pub fn with_aircraft(mut self, aircraft: Aircraft) -> Self {
-        self.aircraft = aircraft;
+        self.aircraft = Some(aircraft);
         self
     }
 
@@ -164,11 +165,10 @@ impl Scenario {
         let mut seeds = Noise::new(seed);
         let settings =
             SimulationSettings { sky: SkyName::Namibia, noise_c: self.noise_k, lag_s: self.lag_s, seed: seeds.bits() };
-        let mut aircraft = self.aircraft;
         let (sin, cos) = (std::f64::consts::TAU * seeds.uniform()).sin_cos();
-        if aircraft.wind_m_s == [0.0; 2] {
-            aircraft.wind_m_s = [5.0 * cos, 5.0 * sin];
-        }
+        let uncoordinated = self.name == "uncoordinated";
+        let usual = Aircraft { wind_m_s: [5.0 * cos, 5.0 * sin], uncoordinated, ..Aircraft::default() };
+        let aircraft = self.aircraft.unwrap_or(usual);
         let style = self.style.clone().unwrap_or(Style::Random(Random::default()));
         let trajectory = Trajectory::fly(&aircraft, &style, self.seconds + 1.0, seeds.bits());
         let field = FieldOfView::Gaussian { fwhm_deg: self.field_deg };

@@ -72,3 +72,57 @@ impl Gusts {
         [self.angle, self.rate]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT_S: f64 = 0.005;
+
+    fn rms(values: impl Iterator<Item = f64>) -> f64 {
+        let (sum, n) = values.fold((0.0, 0.0), |(sum, n), v| (sum + v * v, n + 1.0));
+        f64::sqrt(sum / n)
+    }
+
+    #[test]
+    fn what_wanders_keeps_its_strength_and_forgets_in_its_time() {
+        let mut noise = Noise::new(1);
+        let mut wander = Wander::new(2.0, 0.5, &mut noise);
+        let x: Vec<f64> = (0..400_000).map(|_| wander.step(DT_S, &mut noise)).collect();
+        assert!((rms(x.iter().copied()) - 2.0).abs() < 0.06);
+        let follow = x.windows(101).map(|w| w[0] * w[100]).sum::<f64>() / (x.len() - 100) as f64;
+        assert!((follow / 4.0 - (-1.0_f64).exp()).abs() < 0.05, "{follow}");
+    }
+
+    #[test]
+    fn gusts_have_the_rate_asked_for_and_heavy_tails() {
+        let (mut rates, mut angles) = (Vec::new(), Vec::new());
+        for seed in 0..20 {
+            let mut gusts = Gusts::new(5.0, 2.5, 0.7, seed);
+            for _ in 0..60_000 {
+                let [angle, rate] = gusts.step(DT_S);
+                angles.push(angle);
+                rates.push(rate);
+            }
+        }
+        let rate = rms(rates.iter().copied());
+        assert!((rate - 5.0).abs() < 0.5, "{rate}");
+        let angle = rms(angles.iter().copied());
+        assert!((1.5..3.0).contains(&angle), "{angle}");
+        rates.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let most = rates[rates.len() * 99 / 100].abs() / rate;
+        // A normal distribution has 2.58.
+        assert!((2.7..4.0).contains(&most), "{most}");
+    }
+
+    #[test]
+    fn the_rate_is_the_angle_s_derivative() {
+        let mut gusts = Gusts::new(5.0, 2.5, 0.7, 3);
+        let [mut angle, mut rate] = gusts.step(DT_S);
+        for _ in 0..1000 {
+            let before = [angle, rate];
+            [angle, rate] = gusts.step(DT_S);
+            assert!((angle - before[0] - 0.5 * DT_S * (before[1] + rate)).abs() < 1e-12);
+        }
+    }
+}
