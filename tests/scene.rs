@@ -4,6 +4,7 @@ use irhorizon::attitude::Attitude;
 use irhorizon::direction::Direction;
 use irhorizon::simulation::Weather;
 use irhorizon::simulation::feature::{Cloud, Clouds, Ridge, Round, WarmSide};
+use irhorizon::simulation::ground::Patchwork;
 use irhorizon::simulation::orientation::Orientation;
 use irhorizon::simulation::scene::Scene;
 use irhorizon::sky::{Averaging, FieldOfView, Response, Shape, Sky};
@@ -120,13 +121,30 @@ fn a_ridge_all_around_hides_the_sky_and_a_cloud_all_over_hides_it_all() {
 }
 
 #[test]
+fn patches_are_seen_from_where_the_aircraft_is_and_only_below() {
+    let scene = scene().with_patchwork(Patchwork { rms_k: 3.0, cell_m: 400.0, seed: 2 });
+    let from = |place_m, direction| {
+        let orientation = Orientation::new(Attitude::default(), 0.0);
+        scene.view(orientation, &WEATHER).from(place_m).sensor_c(direction)
+    };
+    let low: Vec<f64> = (0..50).map(|i| from([f64::from(i) * 100.0, 0.0, 100.0], Direction::DOWN) - 15.0).collect();
+    let rms = (low.iter().map(|k| k * k).sum::<f64>() / 50.0).sqrt();
+    assert!((1.0..3.0).contains(&rms), "{rms}");
+    let high = (0..50).map(|i| from([f64::from(i) * 1000.0, 0.0, 3000.0], Direction::DOWN) - 15.0);
+    assert!(high.map(f64::abs).fold(0.0, f64::max) < 0.5, "from high up they blur");
+    let bare = seen(&self::scene(), Direction::UP, [0.0; 3]);
+    assert!((from([0.0, 0.0, 100.0], Direction::UP) - bare).abs() < 1e-9);
+}
+
+#[test]
 fn hostile_features_and_directions_do_not_panic() {
     for x in [f64::NAN, f64::INFINITY, -1e300, 0.0] {
         let cloud = Cloud { azimuth_deg: x, elevation_deg: x, radius_deg: x, opacity: x, edge_deg: x };
         let scene = scene()
             .with_warm_side(WarmSide { azimuth_deg: x, amplitude_k: x, ..WARM })
             .with_ridge(Ridge { azimuth_deg: x, width_deg: x, height_deg: x })
-            .with_clouds(Clouds::new(&[cloud], x, x));
+            .with_clouds(Clouds::new(&[cloud], x, x))
+            .with_patchwork(Patchwork { rms_k: x, cell_m: x, seed: 1 });
         for (_, direction) in Direction::NAMED {
             seen(&scene, direction, [x, 0.0, x]);
         }

@@ -1,19 +1,10 @@
-//! An aircraft that is flown: attitude, heading, speed and path against time.
+//! How an aircraft flies, and its state at an instant.
 
 use super::feature::wrapped;
-use super::manoeuvre::{Motion, Pilot, Style};
-use super::noise::Noise;
-use super::turbulence::{Gusts, Wander};
 use crate::attitude::Attitude;
 
 /// Standard gravity, m/s².
 const G_M_S2: f64 = 9.806_65;
-/// Between two states kept, s.
-const STEP_S: f64 = 0.005;
-/// The flight path follows the nose behind by this, s.
-const PATH_LAG_S: f64 = 0.4;
-/// The nose of an uncoordinated aircraft follows its turn behind by this, s.
-const NOSE_LAG_S: f64 = 0.5;
 /// The steepest bank whose turn is a level flight's: cos² of it.
 const STEEPEST_COS2: f64 = 0.25;
 
@@ -54,14 +45,14 @@ impl Default for Aircraft {
 impl Aircraft {
     /// The angle of attack's part of pitch, `α cos φ`, and its derivative by roll, rad, where α grows
     /// with the load `1/cos φ`.
-    fn lift(&self, roll: f64) -> [f64; 2] {
+    pub(super) fn lift(&self, roll: f64) -> [f64; 2] {
         let (sin, cos) = roll.sin_cos();
         let [level, per_g] = [self.attack_deg, self.attack_per_g_deg].map(f64::to_radians);
         [per_g + (level - per_g) * cos, (per_g - level) * sin]
     }
 
     /// The rate of turn, rad/s: `g tan φ / V`, fading beyond 60°, where no level flight could hold it.
-    fn turn_rate(&self, roll: f64, airspeed_m_s: f64) -> f64 {
+    pub(super) fn turn_rate(&self, roll: f64, airspeed_m_s: f64) -> f64 {
         let (sin, cos) = roll.sin_cos();
         G_M_S2 / airspeed_m_s.max(1.0) * sin * cos / (cos * cos).max(STEEPEST_COS2)
     }
@@ -78,8 +69,8 @@ pub struct State {
     pub airspeed_m_s: f64,
     /// Motion over ground to north, to east, and up, m/s.
     pub velocity_m_s: [f64; 3],
-    /// Height above the start, m.
-    pub altitude_m: f64,
+    /// Where it is: m to north and to east of the start, and above the ground.
+    pub place_m: [f64; 3],
 }
 
 impl State {
@@ -97,11 +88,11 @@ impl State {
             .map(f64::to_degrees)
     }
 
-    /// Between this state and `next`, `STEP_S` later: angles by their values and rates.
-    fn toward(&self, next: &Self, x: f64) -> Self {
+    /// The share `x` (0..1) of the way to `next`, `step_s` later: angles by their values and rates.
+    pub(super) fn toward(&self, next: &Self, step_s: f64, x: f64) -> Self {
         let line = |a: f64, b: f64| a + x * (b - a);
         let angle = |i: usize| {
-            let [a, b] = [self, next].map(|s| (s.angles[i], s.rates[i] * STEP_S));
+            let [a, b] = [self, next].map(|s| (s.angles[i], s.rates[i] * step_s));
             let rise = b.0 - a.0;
             a.0 + x * (a.1 + x * (3.0 * rise - 2.0 * a.1 - b.1 + x * (a.1 + b.1 - 2.0 * rise)))
         };
@@ -110,199 +101,7 @@ impl State {
             rates: std::array::from_fn(|i| line(self.rates[i], next.rates[i])),
             airspeed_m_s: line(self.airspeed_m_s, next.airspeed_m_s),
             velocity_m_s: std::array::from_fn(|i| line(self.velocity_m_s[i], next.velocity_m_s[i])),
-            altitude_m: line(self.altitude_m, next.altitude_m),
+            place_m: std::array::from_fn(|i| line(self.place_m[i], next.place_m[i])),
         }
-    }
-}
-
-/// A flight that was flown: its states, 200 a second.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Trajectory {
-    states: Vec<State>,
-}
-
-impl Trajectory {
-    /// Flies `seconds` (at most a day) in a style; `seed` chooses what is left to chance.
-    pub fn fly(aircraft: &Aircraft, style: &Style, seconds: f64, seed: u64) -> Self {
-        let mut noise = Noise::new(seed);
-        let mut pilot = Pilot::new(style, noise.bits());
-        let mut speed = Wander::new(aircraft.airspeed_rms_m_s, 8.0, &mut noise);
-        let mut updraught = Wander::new(aircraft.updraught_m_s, 5.0, &mut noise);
-        let mut yawing = Gusts::new(3.0_f64.to_radians(), 1.5, 0.5, noise.bits());
-        // The direction of flight through the air, how fast it turns, and where the nose is.
-        let mut course = std::f64::consts::TAU * noise.uniform();
-        let (mut turn, mut nose, mut nose_turn) = (0.0, course, 0.0);
-        let mut altitude_m = 100.0;
-        let mut path = None;
-        let count = (seconds.clamp(0.0, 86_400.0) / STEP_S).ceil() as usize + 1;
-        let states = (0..count)
-            .map(|i| {
-                let time_s = i as f64 * STEP_S;
-                let m: Motion = pilot.step(time_s, STEP_S, |roll| aircraft.lift(roll));
-                let airspeed_m_s = aircraft.airspeed_m_s + speed.step(STEP_S, &mut noise);
-                let before = turn;
-                turn = aircraft.turn_rate(m.roll, airspeed_m_s);
-                course += 0.5 * (before + turn) * STEP_S;
-                let (yaw, yaw_rate) = if aircraft.uncoordinated {
-                    let [shake, shake_rate] = yawing.step(STEP_S);
-                    let before = nose_turn;
-                    nose_turn = (course - nose) / NOSE_LAG_S;
-                    nose += 0.5 * (before + nose_turn) * STEP_S;
-                    (nose + shake, nose_turn + shake_rate)
-                } else {
-                    (course, turn)
-                };
-                let climb = m.pitch - aircraft.lift(m.roll)[0];
-                let path = path.get_or_insert(climb);
-                *path += (climb - *path) * STEP_S / PATH_LAG_S;
-                let (sin, cos) = path.sin_cos();
-                let up = airspeed_m_s * sin + updraught.step(STEP_S, &mut noise);
-                altitude_m += up * STEP_S;
-                let [wind_north, wind_east] = aircraft.wind_m_s;
-                State {
-                    angles: [m.roll, m.pitch, yaw],
-                    rates: [m.roll_rate, m.pitch_rate, yaw_rate],
-                    airspeed_m_s,
-                    velocity_m_s: [
-                        airspeed_m_s * cos * course.cos() + wind_north,
-                        airspeed_m_s * cos * course.sin() + wind_east,
-                        up,
-                    ],
-                    altitude_m,
-                }
-            })
-            .collect();
-        Self { states }
-    }
-
-    /// The state `time_s` seconds after the flight began: the first before, the last, at rest, after.
-    pub fn at(&self, time_s: f64) -> State {
-        let x = (time_s / STEP_S).max(0.0);
-        let i = x as usize;
-        match (self.states.get(i), self.states.get(i.saturating_add(1))) {
-            (Some(a), Some(b)) => a.toward(b, x.fract()),
-            _ => State { rates: [0.0; 3], ..self.states.last().copied().unwrap_or_default() },
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::flight::Flight;
-    use super::super::manoeuvre::Random;
-    use super::*;
-
-    const QUIET: Aircraft = Aircraft {
-        airspeed_m_s: 20.0,
-        airspeed_rms_m_s: 0.0,
-        attack_deg: 3.0,
-        attack_per_g_deg: 4.0,
-        wind_m_s: [0.0; 2],
-        updraught_m_s: 0.0,
-        uncoordinated: false,
-    };
-
-    fn random(aircraft: &Aircraft, seconds: f64, seed: u64) -> Trajectory {
-        Trajectory::fly(aircraft, &Style::Random(Random::default()), seconds, seed)
-    }
-
-    #[test]
-    fn body_rates_integrate_back_to_the_attitude() {
-        for aircraft in [Aircraft::default(), Aircraft { uncoordinated: true, ..Aircraft::default() }] {
-            let trajectory = random(&aircraft, 60.0, 5);
-            // The world's vertical and north turn against the airframe: v' = v × ω on its axes.
-            let start = trajectory.at(0.0);
-            let orientation = |s: &State| super::super::orientation::Orientation::new(s.attitude(), s.angles[2]);
-            let mut up = orientation(&start).vertical();
-            let dt = 0.0025;
-            for i in 0..24_000 {
-                let [p, q, r] = trajectory.at((f64::from(i) + 0.5) * dt).body_rates_deg_s().map(f64::to_radians);
-                // About nose, left, up.
-                let w = [p, -q, -r];
-                let turned =
-                    |v: [f64; 3]| [v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]];
-                let half = turned(up);
-                let middle: [f64; 3] = std::array::from_fn(|j| up[j] + 0.5 * dt * half[j]);
-                let whole = turned(middle);
-                up = std::array::from_fn(|j| up[j] + dt * whole[j]);
-            }
-            let truth = trajectory.at(60.0).attitude().vertical();
-            let off = up.iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt().to_degrees();
-            assert!(off < 0.1, "{off}°");
-        }
-    }
-
-    #[test]
-    fn a_coordinated_turn_turns_by_its_bank_and_its_path_is_the_pitch_less_the_angle_of_attack() {
-        let bank = 40.0_f64.to_radians();
-        // 3° and what a load of 1/cos adds, times cos.
-        let attack_deg = (3.0 + 4.0 * (1.0 / bank.cos() - 1.0)) * bank.cos();
-        let style = Style::Scripted(Flight::steady(40.0, attack_deg + 5.0));
-        let wind = Aircraft { wind_m_s: [3.0, -4.0], ..QUIET };
-        let [still, windy] = [QUIET, wind].map(|a| Trajectory::fly(&a, &style, 30.0, 1));
-        let (a, b) = (still.at(10.0), still.at(20.0));
-        let turned = b.angles[2] - a.angles[2];
-        assert!((turned - 10.0 * 9.80665 * bank.tan() / 20.0).abs() < 1e-6);
-        assert!((b.altitude_m - a.altitude_m - 200.0 * 5.0_f64.to_radians().sin()).abs() < 1e-3);
-        let ground = windy.at(20.0).velocity_m_s;
-        assert!(
-            (ground[0] - b.velocity_m_s[0] - 3.0).abs() < 1e-9 && (ground[1] - b.velocity_m_s[1] + 4.0).abs() < 1e-9
-        );
-        assert!((b.velocity_m_s[0].hypot(b.velocity_m_s[1]) - 20.0 * 5.0_f64.to_radians().cos()).abs() < 1e-9);
-    }
-
-    #[test]
-    fn without_coordination_the_nose_lags_the_path() {
-        let style = Style::Scripted(Flight::steady(30.0, 3.0));
-        let slack = Aircraft { uncoordinated: true, ..QUIET };
-        let trajectory = Trajectory::fly(&slack, &style, 300.0, 1);
-        let behind = |i: u32| {
-            let state = trajectory.at(f64::from(i) * 0.1);
-            let [north, east, _] = state.velocity_m_s;
-            wrapped(east.atan2(north) - state.angles[2])
-        };
-        let mean = (50..3000).map(behind).sum::<f64>() / 2950.0;
-        let turn = 9.80665 * 30.0_f64.to_radians().tan() / 20.0;
-        assert!((mean - 0.5 * turn).abs() < 0.01, "{mean}");
-    }
-
-    #[test]
-    fn roll_rates_are_those_of_rough_flights_and_angles_stay_within_the_limits() {
-        let mut roll_rates: Vec<f64> = Vec::new();
-        let (mut squares, mut steepest) = (0.0, [0.0_f64; 2]);
-        for seed in 0..10 {
-            let trajectory = random(&Aircraft::default(), 300.0, seed);
-            for i in 0..15_000 {
-                let state = trajectory.at(f64::from(i) * 0.02);
-                roll_rates.push(state.body_rates_deg_s()[0].abs());
-                squares += state.rates[1].to_degrees().powi(2);
-                let angles = [state.angles[0], state.angles[1]].map(|a| a.to_degrees().abs());
-                steepest = std::array::from_fn(|j| steepest[j].max(angles[j]));
-            }
-        }
-        let n = roll_rates.len();
-        let rms = (roll_rates.iter().map(|r| r * r).sum::<f64>() / n as f64).sqrt();
-        roll_rates.sort_by(f64::total_cmp);
-        assert!((6.5..8.5).contains(&rms), "{rms}");
-        assert!((21.0..29.0).contains(&roll_rates[n * 99 / 100]), "{}", roll_rates[n * 99 / 100]);
-        let pitch_rms = (squares / n as f64).sqrt();
-        assert!((2.0..3.0).contains(&pitch_rms), "{pitch_rms}");
-        assert!((50.0..70.0).contains(&steepest[0]) && (15.0..28.0).contains(&steepest[1]), "{steepest:?}");
-    }
-
-    #[test]
-    fn a_flight_is_its_seed_s_moves_smoothly_and_rests_at_its_end() {
-        let trajectory = random(&Aircraft::default(), 20.0, 9);
-        assert_eq!(trajectory, random(&Aircraft::default(), 20.0, 9));
-        assert_ne!(trajectory, random(&Aircraft::default(), 20.0, 10));
-        for i in 0..20_000 {
-            let t = f64::from(i) * 0.001;
-            let [a, b] = [t, t + 0.001].map(|t| trajectory.at(t).attitude());
-            assert!((a.roll - b.roll).abs() < 0.002 && (a.pitch - b.pitch).abs() < 0.001, "{t} s");
-        }
-        let end = trajectory.at(1e9);
-        assert_eq!(end.rates, [0.0; 3]);
-        assert_eq!(trajectory.at(-1.0).angles, trajectory.at(0.0).angles);
-        assert!(trajectory.at(f64::NAN).airspeed_m_s.is_finite());
     }
 }

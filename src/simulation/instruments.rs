@@ -1,7 +1,7 @@
 //! What other instruments say of a flight: gyro, GPS, airspeed.
 
-use super::aircraft::Trajectory;
 use super::noise::Noise;
+use super::trajectory::Trajectory;
 use crate::frame::Aiding;
 
 /// Noise of the gyro, °/s rms a reading; its bias at the start, and how that walks in a second.
@@ -83,7 +83,7 @@ impl Instruments {
             aiding.ground_speed_m_s = Some(noisy(north.hypot(east), SPEED_NOISE_M_S).max(0.0));
             aiding.course_deg = Some(course_deg);
             aiding.climb_m_s = Some(noisy(up, CLIMB_NOISE_M_S));
-            aiding.altitude_m = Some(noisy(then.altitude_m, ALTITUDE_NOISE_M));
+            aiding.altitude_m = Some(noisy(then.place_m[2], ALTITUDE_NOISE_M));
         }
         aiding
     }

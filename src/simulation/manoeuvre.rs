@@ -4,6 +4,9 @@ use super::flight::Flight;
 use super::noise::Noise;
 use super::turbulence::Gusts;
 
+/// A climb after which only descents follow, and the other way round, rad s: some 100 m.
+const FAR_RAD_S: f64 = 5.0;
+
 /// A way of flying.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Style {
@@ -90,6 +93,8 @@ pub(super) struct RandomPilot {
     noise: Noise,
     bank: Follower,
     climb: Follower,
+    /// How far it has climbed: the climb's angle over time, rad s.
+    risen: f64,
     gusts: [Gusts; 2],
 }
 
@@ -104,7 +109,7 @@ impl<'a> Pilot<'a> {
                     Gusts::new(limits.pitch_rate_deg_s.to_radians(), 2.5, 0.7, noise.bits()),
                 ];
                 let (bank, climb) = (Follower::new(1.0, 25.0), Follower::new(0.8, 6.0));
-                Self::Random(Box::new(RandomPilot { limits: *limits, noise, bank, climb, gusts }))
+                Self::Random(Box::new(RandomPilot { limits: *limits, noise, bank, climb, risen: 0.0, gusts }))
             }
         }
     }
@@ -125,7 +130,7 @@ impl<'a> Pilot<'a> {
 
 impl RandomPilot {
     fn step(&mut self, time_s: f64, dt_s: f64, lift: impl Fn(f64) -> [f64; 2]) -> Motion {
-        let Self { limits, noise, bank, climb, gusts } = self;
+        let Self { limits, noise, bank, climb, risen, gusts } = self;
         bank.step(time_s, dt_s, || {
             let level = noise.uniform() < 0.3;
             let angle = limits.bank_deg.to_radians() * (2.0 * noise.uniform() - 1.0);
@@ -134,8 +139,11 @@ impl RandomPilot {
         climb.step(time_s, dt_s, || {
             let level = noise.uniform() < 0.5;
             let angle = limits.climb_deg.to_radians() * (2.0 * noise.uniform() - 1.0);
+            // Far from where it began it goes back.
+            let angle = if risen.abs() > FAR_RAD_S { -angle.abs().copysign(*risen) } else { angle };
             [if level { 0.0 } else { angle }, 6.0 + 14.0 * noise.uniform()]
         });
+        *risen += climb.angle * dt_s;
         let [[roll_gust, roll_gust_rate], [pitch_gust, pitch_gust_rate]] =
             gusts.each_mut().map(|gusts| gusts.step(dt_s));
         let (roll, roll_rate) = (bank.angle + roll_gust, bank.rate + roll_gust_rate);

@@ -2,10 +2,10 @@
 //!
 //! - [`noise`]: a generator of its own, so that the same seed gives the same bytes everywhere.
 //! - [`flight`]: attitude against time, by a script.
-//! - [`aircraft`]: a flight with heading, speed and rates; [`manoeuvre`]: what its pilot does;
-//!   [`turbulence`]: what the air does.
-//! - [`scene`]: what is seen of a world that differs all around; [`feature`]: what makes it differ;
-//!   [`bundle`]: a field of view as rays; [`orientation`]: the airframe's axes in the world.
+//! - [`trajectory`]: a flight with heading, speed and rates; [`aircraft`]: what flies it;
+//!   [`manoeuvre`]: what its pilot does; [`turbulence`]: what the air does.
+//! - [`scene`]: what is seen of a world that differs all around; [`feature`], [`ground`]: what makes
+//!   it differ; [`bundle`]: a field of view as rays; [`orientation`]: the airframe's axes in the world.
 //! - [`head`]: what each sensor shows, with lag, noise and quantisation.
 //! - [`instruments`]: what the gyro, the GPS and the airspeed sensor say.
 //! - [`script`]: weather that changes and sensors that fail, played at given times.
@@ -16,6 +16,7 @@ pub mod aircraft;
 pub mod bundle;
 pub mod feature;
 pub mod flight;
+pub mod ground;
 pub mod head;
 pub mod instruments;
 pub mod manoeuvre;
@@ -25,6 +26,7 @@ pub mod scenario;
 pub mod scene;
 pub mod script;
 pub mod source;
+pub mod trajectory;
 pub mod turbulence;
 
 pub use flight::{Flight, Waypoint};

@@ -1,14 +1,16 @@
 //! Flights and scenes with names, for tests, for tuning and for whoever wants to try the estimators.
 
-use super::aircraft::{Aircraft, Trajectory};
+use super::aircraft::Aircraft;
 use super::feature::{Clouds, Ridge, Round, WarmSide};
 use super::flight::{Flight, Waypoint};
+use super::ground::Patchwork;
 use super::instruments::{Fitted, Instruments};
 use super::manoeuvre::{Random, Style};
 use super::noise::Noise;
 use super::scene::Scene;
 use super::script::Weather;
 use super::source::SimulatedSource;
+use super::trajectory::Trajectory;
 use crate::config::settings::{SimulationSettings, SkyName};
 use crate::direction::Direction;
 use crate::head::{Head, Sensor, SensorKind};
@@ -20,7 +22,7 @@ pub const SECONDS: f64 = 300.0;
 const FIELD_DEG: f64 = 90.0;
 
 /// The names, with what they stand for.
-pub const LIST: [(&str, &str); 17] = [
+pub const LIST: [(&str, &str); 18] = [
     ("clear-dry", "a dry grey atmosphere, contrast 40 K"),
     ("clear-humid", "a humid grey atmosphere, contrast 25 K"),
     ("namibia", "the report's Namibian night"),
@@ -34,7 +36,8 @@ pub const LIST: [(&str, &str); 17] = [
     ("lag-0.3", "clear and dry, sensors that lag by 0.3 s"),
     ("no-lag", "clear and dry, sensors without lag"),
     ("inverted", "clear and dry, rolls and inverted flight"),
-    ("ridge", "clear and dry, with ridges of 6° and 3°"),
+    ("ridge", "clear and dry, with ridges of 20° and 8°"),
+    ("patchwork", "clear and dry, over fields and woods that differ by 3 K rms"),
     ("radiance", "clear and dry, sensors that average radiance"),
     ("uncoordinated", "clear and dry, a heading that lags the turn and yaws about it"),
     ("narrow", "clear and dry, sensors of 70° that are told to be of 90°"),
@@ -193,7 +196,8 @@ impl Scenario {
             "warm-side" => scene.with_warm_side(warm(Round::Cosine, true)),
             "warm-sky" => scene.with_warm_side(warm(Round::Cosine, false)),
             "warm-side-sharp" => scene.with_warm_side(warm(Round::Half, true)),
-            "ridge" => scene.with_ridge(ridge(0.0, 120.0, 6.0)).with_ridge(ridge(170.0, 60.0, 3.0)),
+            "ridge" => scene.with_ridge(ridge(0.0, 120.0, 20.0)).with_ridge(ridge(170.0, 60.0, 8.0)),
+            "patchwork" => scene.with_patchwork(Patchwork { rms_k: 3.0, cell_m: 250.0, seed: seeds.bits() }),
             _ => scene,
         }
     }

@@ -5,6 +5,7 @@
 
 use super::bundle::{Ray, rays};
 use super::feature::{Clouds, Ridge, WarmSide};
+use super::ground::Patchwork;
 use super::orientation::Orientation;
 use super::script::Weather;
 use crate::direction::Direction;
@@ -22,6 +23,7 @@ pub struct Scene {
     warm: Vec<WarmSide>,
     ridges: Vec<Ridge>,
     clouds: Option<Clouds>,
+    patchwork: Option<Patchwork>,
 }
 
 impl Scene {
@@ -35,6 +37,7 @@ impl Scene {
             warm: Vec::new(),
             ridges: Vec::new(),
             clouds: None,
+            patchwork: None,
         }
     }
 
@@ -56,23 +59,29 @@ impl Scene {
         self
     }
 
+    /// With a ground of patches, in place of those that were there.
+    pub fn with_patchwork(mut self, patchwork: Patchwork) -> Self {
+        self.patchwork = Some(patchwork);
+        self
+    }
+
     /// The sky without what breaks its symmetry.
     pub fn sky(&self) -> Sky {
         self.sky
     }
 
-    /// What is seen of it from an airframe at `orientation` in `weather`.
+    /// What is seen of it from an airframe at `orientation` in `weather`, 100 m above the ground.
     pub fn view<'a>(&'a self, orientation: Orientation, weather: &'a Weather) -> View<'a> {
-        View { scene: self, orientation, weather }
+        View { scene: self, orientation, weather, place_m: [0.0, 0.0, 100.0] }
     }
 
     fn is_symmetrical(&self) -> bool {
-        self.warm.is_empty() && self.ridges.is_empty() && self.clouds.is_none()
+        self.warm.is_empty() && self.ridges.is_empty() && self.clouds.is_none() && self.patchwork.is_none()
     }
 
-    /// What is seen in one direction (north, east, up) less what the symmetrical sky would show, in
-    /// the averaged quantity.
-    fn excess(&self, [north, east, up]: [f64; 3], weather: &Weather) -> f64 {
+    /// What is seen from a place (m to north, to east, above the ground) in one direction (north,
+    /// east, up) less what the symmetrical sky would show, in the averaged quantity.
+    fn excess(&self, place_m: [f64; 3], [north, east, up]: [f64; 3], weather: &Weather) -> f64 {
         let deficit_k = weather.sky_max_k * self.sky.shape.deficit(up);
         let mut seen_k = deficit_k;
         let mut ground = up <= 0.0;
@@ -88,6 +97,9 @@ impl Scene {
         }
         for warm in &self.warm {
             seen_k -= warm.warmth_k(north, east, ground);
+        }
+        if let Some(patchwork) = &self.patchwork {
+            seen_k -= patchwork.warmth_k(place_m, [north, east, up]);
         }
         match self.averaging {
             Averaging::Temperature => deficit_k - seen_k,
@@ -105,9 +117,16 @@ pub struct View<'a> {
     scene: &'a Scene,
     orientation: Orientation,
     weather: &'a Weather,
+    place_m: [f64; 3],
 }
 
 impl View<'_> {
+    /// The same from a place: m to north, to east, above the ground.
+    pub fn from(mut self, place_m: [f64; 3]) -> Self {
+        self.place_m = place_m;
+        self
+    }
+
     /// What a sensor that looks in `direction` sees, °C.
     pub fn sensor_c(&self, direction: Direction) -> f64 {
         let (scene, weather) = (self.scene, self.weather);
@@ -126,7 +145,7 @@ impl View<'_> {
             .iter()
             .map(|r| {
                 let world = std::array::from_fn(|i| r.along * axis[i] + r.across * above[i] + r.aside * beside[i]);
-                r.weight * scene.excess(world, weather)
+                r.weight * scene.excess(self.place_m, world, weather)
             })
             .sum();
         match scene.averaging {

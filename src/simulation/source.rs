@@ -1,6 +1,5 @@
 //! A made-up flight as a source of frames.
 
-use super::aircraft::Trajectory;
 use super::flight::Flight;
 use super::head::SimulatedHead;
 use super::instruments::Instruments;
@@ -8,6 +7,7 @@ use super::noise::Noise;
 use super::orientation::Orientation;
 use super::scene::Scene;
 use super::script::{Outage, Weather};
+use super::trajectory::Trajectory;
 use crate::attitude::Attitude;
 use crate::config::settings::{SimulationSettings, SkyName};
 use crate::frame::{Aiding, Frame, Missing, Sample};
@@ -171,7 +171,10 @@ impl FrameSource for SimulatedSource {
         self.last_tick = Some(tick);
         let (flown_s, weather) = (self.flown_s(tick), self.weather_at(tick));
         let orientation = Orientation::new(self.truth_at(tick), self.yaw_at(tick));
-        let view = self.scene.view(orientation, &weather);
+        let mut view = self.scene.view(orientation, &weather);
+        if let Path::Trajectory(trajectory) = &self.path {
+            view = view.from(trajectory.at(flown_s).place_m);
+        }
         frame.aiding = match (&mut self.instruments, &self.path) {
             (Some(instruments), Path::Trajectory(trajectory)) => instruments.read(trajectory, flown_s),
             _ => Aiding::default(),
