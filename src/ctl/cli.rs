@@ -1,5 +1,6 @@
 //! The words of the command line.
 
+use super::recording_args::{RecordingArgs, ScoreArgs};
 use crate::config::settings::BusAddress;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -53,6 +54,8 @@ pub enum Command {
     Record(RecordArgs),
     /// Run a recording through the daemon's own estimator
     Replay(ReplayArgs),
+    /// Score methods of estimation against a recording's reference
+    Score(ScoreArgs),
 }
 
 /// How `status` speaks.
@@ -107,14 +110,9 @@ pub struct RecordArgs {
 /// Arguments of `replay`.
 #[derive(Clone, Debug, Args)]
 pub struct ReplayArgs {
-    /// The recording
-    pub file: PathBuf,
-    /// The configuration; the recording's own when not given, or else the six directions
-    #[arg(long)]
-    pub config: Option<PathBuf>,
-    /// Use the thermopiles alone
-    #[arg(long)]
-    pub no_aiding: bool,
+    /// What is replayed.
+    #[command(flatten)]
+    pub recording: RecordingArgs,
     /// Where the estimates go; standard output when not given
     #[arg(long)]
     pub output: Option<PathBuf>,

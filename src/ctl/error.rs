@@ -60,6 +60,38 @@ pub enum CtlError {
         /// The file.
         path: PathBuf,
     },
+    /// There is nothing to score against.
+    #[error("{path} has no column {column}: a reference to score against is ref_roll_deg and ref_pitch_deg")]
+    NoReference {
+        /// The recording.
+        path: PathBuf,
+        /// The column looked for.
+        column: &'static str,
+    },
+    /// No row is left to score.
+    #[error("none of the {rows} rows of {path} is left to score; left out: {left_out}")]
+    NothingToScore {
+        /// The recording.
+        path: PathBuf,
+        /// Its usable rows.
+        rows: u64,
+        /// Which are left out, and how to have them in.
+        left_out: String,
+    },
+    /// Estimates of another flight.
+    #[error("no row of {path} has the time of a row of {recording}; is it of the same flight?")]
+    OtherFlight {
+        /// The estimates.
+        path: PathBuf,
+        /// The recording.
+        recording: PathBuf,
+    },
+    /// A method that the head does not allow.
+    #[error("method {method} needs absolute thermopiles, and this head has pairs; see --method all")]
+    MethodNotAllowed {
+        /// The method.
+        method: &'static str,
+    },
     /// A file cannot be written.
     #[error("writing {path} failed{}", kept(*.rows))]
     Write {

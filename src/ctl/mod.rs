@@ -8,6 +8,8 @@
 //! - [`status`], [`prometheus`], [`sensors`]: the state as text.
 //! - [`watch`]: the live horizon.
 //! - [`record`], [`replay`]: recordings out of the daemon, and through its pipeline.
+//! - [`recording_args`], [`opening`]: the words of the commands on recordings, and what they share.
+//! - [`score`]: methods side by side against a reference.
 //! - `name`: a name for a recording that was given none; `signals`: a polite end on request.
 
 mod answer;
@@ -16,10 +18,13 @@ pub mod client;
 pub mod error;
 pub mod kit;
 mod name;
+pub mod opening;
 pub mod prometheus;
 pub mod record;
+pub mod recording_args;
 pub mod replay;
 mod run;
+pub mod score;
 pub mod sensors;
 mod signals;
 pub mod status;
