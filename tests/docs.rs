@@ -25,6 +25,7 @@ fn pages() -> Vec<(String, String)> {
     let mut names: Vec<String> = fs::read_dir(root().join("docs"))
         .unwrap()
         .map(|e| format!("docs/{}", e.unwrap().file_name().into_string().unwrap()))
+        .filter(|n| n.ends_with(".md"))
         .collect();
     names.sort();
     names.push("README.md".into());

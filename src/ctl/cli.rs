@@ -1,6 +1,6 @@
 //! The words of the command line.
 
-use super::recording_args::{RecordingArgs, ScoreArgs};
+use super::recording_args::{PlotCommand, RecordingArgs, ScoreArgs};
 use crate::config::settings::BusAddress;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -56,6 +56,9 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Score methods of estimation against a recording's reference
     Score(ScoreArgs),
+    /// Draw a recording, its errors, or the report's figures as SVG
+    #[command(subcommand)]
+    Plot(PlotCommand),
 }
 
 /// How `status` speaks.

@@ -78,6 +78,14 @@ pub enum CtlError {
         /// Which are left out, and how to have them in.
         left_out: String,
     },
+    /// No row is left to draw.
+    #[error("no row of {path} is left to draw{}", between(*.times_s))]
+    NothingToPlot {
+        /// The recording.
+        path: PathBuf,
+        /// The times of its first and last row, s.
+        times_s: Option<(f64, f64)>,
+    },
     /// Estimates of another flight.
     #[error("no row of {path} has the time of a row of {recording}; is it of the same flight?")]
     OtherFlight {
@@ -115,6 +123,13 @@ pub enum CtlError {
 
 fn kept(rows: Option<u64>) -> String {
     rows.map(|n| format!("; the file ends whole after {n} rows")).unwrap_or_default()
+}
+
+fn between(times_s: Option<(f64, f64)>) -> String {
+    match times_s {
+        None => ": it has no usable row".to_owned(),
+        Some((first, last)) => format!(": its times are {first} to {last} s; see --from and --to"),
+    }
 }
 
 impl From<DaemonError> for CtlError {

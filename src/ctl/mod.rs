@@ -9,7 +9,7 @@
 //! - [`watch`]: the live horizon.
 //! - [`record`], [`replay`]: recordings out of the daemon, and through its pipeline.
 //! - [`recording_args`], [`opening`]: the words of the commands on recordings, and what they share.
-//! - [`score`]: methods side by side against a reference.
+//! - [`score`]: methods side by side against a reference; [`plot`]: drawings.
 //! - `name`: a name for a recording that was given none; `signals`: a polite end on request.
 
 mod answer;
@@ -19,6 +19,7 @@ pub mod error;
 pub mod kit;
 mod name;
 pub mod opening;
+pub mod plot;
 pub mod prometheus;
 pub mod record;
 pub mod recording_args;

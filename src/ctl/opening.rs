@@ -9,8 +9,10 @@ use crate::config::settings::Method;
 use crate::head::{Head, SensorKind};
 use crate::recording::{Reader, Recording};
 use crate::time::Time;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{BufReader, Write};
+use std::os::unix::fs::MetadataExt;
+use std::path::Path;
 
 /// A recording with the settings that it is replayed by.
 #[derive(Debug)]
@@ -39,6 +41,17 @@ pub fn open(args: &RecordingArgs, kit: &Kit, err: &mut dyn Write) -> Result<Open
         let _ = writeln!(err, "notice: {notice}");
     }
     Ok(Opened { settings, reader })
+}
+
+/// A new file at `path`, but never over the recording.
+pub fn create(path: &Path, recording: &Path) -> Result<File, CtlError> {
+    let same = |a: fs::Metadata, b: fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
+    if let (Ok(a), Ok(b)) = (fs::metadata(recording), fs::metadata(path))
+        && same(a, b)
+    {
+        return Err(CtlError::OverItself { path: path.to_owned() });
+    }
+    File::create(path).map_err(|source| CtlError::Write { path: path.to_owned(), rows: None, source })
 }
 
 /// Says on `err` what of the recording could not be used.

@@ -1,7 +1,7 @@
 //! The words of the commands that work on recordings.
 
 use crate::config::settings::Method;
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// A recording on its way through the daemon's pipeline.
@@ -68,13 +68,49 @@ pub struct ScoreArgs {
     pub format: ScoreFormat,
 }
 
+/// What `plot` draws.
+#[derive(Clone, Debug, Subcommand)]
+pub enum PlotCommand {
+    /// A flight over time: roll, pitch, contrast, mode, faults
+    Flight(PlotArgs),
+    /// The errors of roll and pitch against the reference
+    Residuals(PlotArgs),
+    /// Figures 6 to 9 of the report MECSE-2-2007, from this program's own sky
+    Report {
+        /// Where figure-6.svg to figure-9.svg go
+        #[arg(long, value_name = "FOLDER")]
+        output_dir: PathBuf,
+    },
+}
+
+/// Arguments of `plot flight` and `plot residuals`.
+#[derive(Clone, Debug, Args)]
+pub struct PlotArgs {
+    /// What is drawn.
+    #[command(flatten)]
+    pub recording: RecordingArgs,
+    /// The method; the configured one when not given
+    #[arg(long, value_parser = one_method)]
+    pub method: Option<Method>,
+    /// Where the drawing goes; standard output when not given
+    #[arg(long, value_name = "OUT.svg")]
+    pub output: Option<PathBuf>,
+    /// Begin at this time of the recording, s
+    #[arg(long, value_name = "S", value_parser = not_negative)]
+    pub from: Option<f64>,
+    /// End at this time of the recording, s
+    #[arg(long, value_name = "S", value_parser = not_negative)]
+    pub to: Option<f64>,
+}
+
 fn method(text: &str) -> Result<MethodChoice, String> {
-    if text == "all" {
-        return Ok(MethodChoice::All);
-    }
+    if text == "all" { Ok(MethodChoice::All) } else { one_method(text).map(MethodChoice::One) }
+}
+
+fn one_method(text: &str) -> Result<Method, String> {
     let names: Vec<&str> = Method::NAMED.iter().map(|(name, _)| *name).collect();
     let found = Method::NAMED.iter().find(|(name, _)| *name == text);
-    found.map(|(_, m)| MethodChoice::One(*m)).ok_or_else(|| format!("expected all or one of {}", names.join(", ")))
+    found.map(|(_, m)| *m).ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
 fn beside(text: &str) -> Result<Beside, String> {

@@ -3,15 +3,13 @@
 use super::cli::ReplayArgs;
 use super::error::CtlError;
 use super::kit::Kit;
-use super::opening::{Fresh, Opened, open, tell_tally};
+use super::opening::{Fresh, Opened, create, open, tell_tally};
 use crate::attitude::{Attitude, Estimate, Mode};
 use crate::frame::{Aiding, Frame};
 use crate::head::Head;
 use crate::recording::{ReadError, Reader, push_digits, push_fixed};
 use std::fmt::Write as _;
-use std::fs::{self, File};
 use std::io::{self, BufRead, BufWriter, Write};
-use std::os::unix::fs::MetadataExt;
 
 /// The columns of what `replay` writes.
 pub const HEADER: &str = "time_s,roll_deg,pitch_deg,roll_sigma_deg,pitch_sigma_deg,contrast_c,mode,faults\n";
@@ -103,19 +101,8 @@ pub fn command(args: &ReplayArgs, kit: &Kit, out: &mut dyn Write, err: &mut dyn 
             replay(&mut reader, args.recording.no_aiding, &mut pipeline, &mut out)
         }
         Some(path) => {
-            let same = |a: fs::Metadata, b: fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
-            if let (Ok(a), Ok(b)) = (fs::metadata(&args.recording.file), fs::metadata(path))
-                && same(a, b)
-            {
-                return Err(CtlError::OverItself { path: path.clone() });
-            }
-            match File::create(path) {
-                Ok(file) => {
-                    let mut out = BufWriter::with_capacity(64 * 1024, file);
-                    replay(&mut reader, args.recording.no_aiding, &mut pipeline, &mut out)
-                }
-                Err(e) => Err(Stop::Write(e)),
-            }
+            let mut out = BufWriter::with_capacity(64 * 1024, create(path, &args.recording.file)?);
+            replay(&mut reader, args.recording.no_aiding, &mut pipeline, &mut out)
         }
     };
     tell_tally(&reader, err);

@@ -4,7 +4,7 @@ use super::cli::{Cli, Command, SensorsFormat, StatusFormat};
 use super::error::{CtlError, EXIT_FAILED, EXIT_OK, EXIT_USAGE, chain};
 use super::kit::Kit;
 use super::view::Status;
-use super::{prometheus, record, replay, score, sensors, signals, status, watch};
+use super::{plot, prometheus, record, replay, score, sensors, signals, status, watch};
 use crate::config::settings::BusAddress;
 use crate::sensor::schedule::Schedule;
 use clap::Parser;
@@ -65,6 +65,7 @@ fn dispatch(cli: &Cli, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> R
         Command::Validate { file, show } => return validate(file, *show, kit, out, err),
         Command::Record(args) => record::command(args, &cli.bus, kit, &*stop_flag()?, out, err)?,
         Command::Replay(args) => replay::command(args, kit, out, err)?,
+        Command::Plot(what) => plot::command(what, kit, out, err)?,
         Command::Score(args) => score::command(args, kit, out, err)?,
     }
     Ok(EXIT_OK)

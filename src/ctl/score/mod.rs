@@ -72,13 +72,7 @@ impl Runner {
         (self.pipeline)(frame, &mut self.estimate);
         let given = self.fresh.take(&self.estimate);
         if let Some(truth) = truth {
-            let sigma = self.estimate.sigma;
-            let said = given.map(|a| Said {
-                roll_deg: a.roll.to_degrees(),
-                pitch_deg: a.pitch.to_degrees(),
-                roll_sigma_deg: Some(sigma.roll.to_degrees()),
-                pitch_sigma_deg: Some(sigma.pitch.to_degrees()),
-            });
+            let said = given.map(|a| Said::new(a, self.estimate.sigma));
             self.errors.add(truth, said);
         }
     }

@@ -4,6 +4,7 @@
 //! An underestimation is the amount by which the estimate of roll falls short of the true roll in
 //! size, `|true| − |estimate|`, at least 0; it is asked for wherever the true roll is beyond 20°.
 
+use crate::attitude::Attitude;
 use serde::Serialize;
 
 /// True roll beyond which an underestimation counts, °.
@@ -29,6 +30,18 @@ pub struct Said {
     pub roll_sigma_deg: Option<f64>,
     /// Standard deviation of pitch, likewise.
     pub pitch_sigma_deg: Option<f64>,
+}
+
+impl Said {
+    /// What an estimate says.
+    pub fn new(attitude: Attitude, sigma: Attitude) -> Self {
+        Self {
+            roll_deg: attitude.roll.to_degrees(),
+            pitch_deg: attitude.pitch.to_degrees(),
+            roll_sigma_deg: Some(sigma.roll.to_degrees()),
+            pitch_sigma_deg: Some(sigma.pitch.to_degrees()),
+        }
+    }
 }
 
 /// Errors as they come.
