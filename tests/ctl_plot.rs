@@ -59,8 +59,11 @@ fn the_figures_show_what_the_report_s_formulas_say() {
 
 #[test]
 fn a_flight_is_drawn_as_it_was_before() {
-    golden("tests/golden/plot/flight.svg", &drawn(&["flight", FLIGHT]));
-    golden("tests/golden/plot/residuals.svg", &drawn(&["residuals", FLIGHT, "--no-aiding"]));
+    golden("tests/golden/plot/flight.svg", &drawn(&["flight", FLIGHT, "--method", "inverse-sine"]));
+    golden(
+        "tests/golden/plot/residuals.svg",
+        &drawn(&["residuals", FLIGHT, "--method", "inverse-sine", "--no-aiding"]),
+    );
 }
 
 #[test]

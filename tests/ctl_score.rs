@@ -16,8 +16,11 @@ fn scored(name: &str, args: &[&str]) {
 #[test]
 fn a_flight_is_scored_as_it_was_before() {
     scored("plain.txt", &["--method", "inverse-sine", "--beside", OTHER]);
-    scored("no-aiding.txt", &["--no-aiding", "--skip", "0", "--min-ground-speed", "8"]);
-    scored("score.json", &["--format", "json", "--beside", OTHER, "--min-ground-speed", "2.5"]);
+    scored("no-aiding.txt", &["--method", "inverse-sine", "--no-aiding", "--skip", "0", "--min-ground-speed", "8"]);
+    scored(
+        "score.json",
+        &["--method", "inverse-sine", "--format", "json", "--beside", OTHER, "--min-ground-speed", "2.5"],
+    );
 }
 
 #[test]
