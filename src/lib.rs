@@ -15,6 +15,7 @@
 //! | [`simulation`], [`recording`] | the other two sources of frames, and where frames are kept |
 //! | [`source`], [`state`], [`clock`] | the trait of the three sources, the one shared state, the one clock |
 //! | [`mavlink`], [`dbus`] | the publishers |
+//! | [`plot`] | drawings of a flight and of the sky |
 //! | [`config`] | what the daemon is told, validated |
 //! | [`daemon`], [`ctl`] | the two commands |
 #![deny(unsafe_code, clippy::unwrap_used)]
@@ -34,6 +35,7 @@ pub mod gpio;
 pub mod head;
 pub mod horizon;
 pub mod mavlink;
+pub mod plot;
 pub mod recording;
 pub mod sensor;
 pub mod simulation;

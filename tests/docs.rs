@@ -25,6 +25,7 @@ fn pages() -> Vec<(String, String)> {
     let mut names: Vec<String> = fs::read_dir(root().join("docs"))
         .unwrap()
         .map(|e| format!("docs/{}", e.unwrap().file_name().into_string().unwrap()))
+        .filter(|n| n.ends_with(".md"))
         .collect();
     names.sort();
     names.push("README.md".into());
@@ -217,6 +218,7 @@ impl Stage {
         fs::write(dir.join("fast.toml"), example.replace("#rate-hz = 50 ", "rate-hz = 100")).unwrap();
         fs::write(dir.join("strict.toml"), "[faults]\nlow-contrast-c = 5.0\n[simulation]\nenabled = true\n").unwrap();
         fs::write(dir.join("flight.csv"), blocks(&page("docs/recording.md"), "csv").concat()).unwrap();
+        fs::write(dir.join("turn.csv"), page("tests/golden/score/flight.csv")).unwrap();
         let to = receiver.local_addr().unwrap();
         let simulated = format!("[simulation]\nenabled = true\n[[mavlink.endpoint]]\naddress = \"udpout:{to}\"\n");
         fs::write(dir.join("simulated.toml"), simulated).unwrap();

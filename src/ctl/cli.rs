@@ -1,5 +1,6 @@
 //! The words of the command line.
 
+use super::recording_args::{PlotCommand, RecordingArgs, ScoreArgs};
 use crate::config::settings::BusAddress;
 use crate::simulation::scenario::{self, LIST};
 use clap::builder::PossibleValuesParser;
@@ -57,6 +58,11 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Make up a recording: a flight under a scene, with its true attitude
     Simulate(SimulateArgs),
+    /// Score methods of estimation against a recording's reference
+    Score(ScoreArgs),
+    /// Draw a recording, its errors, or the report's figures as SVG
+    #[command(subcommand)]
+    Plot(PlotCommand),
 }
 
 /// How `status` speaks.
@@ -111,14 +117,9 @@ pub struct RecordArgs {
 /// Arguments of `replay`.
 #[derive(Clone, Debug, Args)]
 pub struct ReplayArgs {
-    /// The recording
-    pub file: PathBuf,
-    /// The configuration; the recording's own when not given, or else the six directions
-    #[arg(long)]
-    pub config: Option<PathBuf>,
-    /// Use the thermopiles alone
-    #[arg(long)]
-    pub no_aiding: bool,
+    /// What is replayed.
+    #[command(flatten)]
+    pub recording: RecordingArgs,
     /// Where the estimates go; standard output when not given
     #[arg(long)]
     pub output: Option<PathBuf>,

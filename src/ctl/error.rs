@@ -60,6 +60,46 @@ pub enum CtlError {
         /// The file.
         path: PathBuf,
     },
+    /// There is nothing to score against.
+    #[error("{path} has no column {column}: a reference to score against is ref_roll_deg and ref_pitch_deg")]
+    NoReference {
+        /// The recording.
+        path: PathBuf,
+        /// The column looked for.
+        column: &'static str,
+    },
+    /// No row is left to score.
+    #[error("none of the {rows} rows of {path} is left to score; left out: {left_out}")]
+    NothingToScore {
+        /// The recording.
+        path: PathBuf,
+        /// Its usable rows.
+        rows: u64,
+        /// Which are left out, and how to have them in.
+        left_out: String,
+    },
+    /// No row is left to draw.
+    #[error("no row of {path} is left to draw{}", between(*.times_s))]
+    NothingToPlot {
+        /// The recording.
+        path: PathBuf,
+        /// The times of its first and last row, s.
+        times_s: Option<(f64, f64)>,
+    },
+    /// Estimates of another flight.
+    #[error("no row of {path} has the time of a row of {recording}; is it of the same flight?")]
+    OtherFlight {
+        /// The estimates.
+        path: PathBuf,
+        /// The recording.
+        recording: PathBuf,
+    },
+    /// A method that the head does not allow.
+    #[error("method {method} needs absolute thermopiles, and this head has pairs; see --method all")]
+    MethodNotAllowed {
+        /// The method.
+        method: &'static str,
+    },
     /// A file cannot be written.
     #[error("writing {path} failed{}", kept(*.rows))]
     Write {
@@ -83,6 +123,13 @@ pub enum CtlError {
 
 fn kept(rows: Option<u64>) -> String {
     rows.map(|n| format!("; the file ends whole after {n} rows")).unwrap_or_default()
+}
+
+fn between(times_s: Option<(f64, f64)>) -> String {
+    match times_s {
+        None => ": it has no usable row".to_owned(),
+        Some((first, last)) => format!(": its times are {first} to {last} s; see --from and --to"),
+    }
 }
 
 impl From<DaemonError> for CtlError {

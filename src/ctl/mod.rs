@@ -9,6 +9,8 @@
 //! - [`watch`]: the live horizon.
 //! - [`simulate`]: recordings of flights that never were.
 //! - [`record`], [`replay`]: recordings out of the daemon, and through its pipeline.
+//! - [`recording_args`], [`opening`]: the words of the commands on recordings, and what they share.
+//! - [`score`]: methods side by side against a reference; [`plot`]: drawings.
 //! - `name`: a name for a recording that was given none; `signals`: a polite end on request.
 
 mod answer;
@@ -17,10 +19,14 @@ pub mod client;
 pub mod error;
 pub mod kit;
 mod name;
+pub mod opening;
+pub mod plot;
 pub mod prometheus;
 pub mod record;
+pub mod recording_args;
 pub mod replay;
 mod run;
+pub mod score;
 pub mod sensors;
 mod signals;
 pub mod simulate;

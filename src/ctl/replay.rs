@@ -1,16 +1,15 @@
 //! `replay`: a recording through the daemon's own pipeline, as fast as it goes.
 
 use super::cli::ReplayArgs;
-use super::error::{CtlError, chain};
+use super::error::CtlError;
 use super::kit::Kit;
-use crate::attitude::{Estimate, Mode};
+use super::opening::{Fresh, Opened, create, open, tell_tally};
+use crate::attitude::{Attitude, Estimate, Mode};
 use crate::frame::{Aiding, Frame};
 use crate::head::Head;
-use crate::recording::{ReadError, Reader, Recording, push_digits, push_fixed};
+use crate::recording::{ReadError, Reader, push_digits, push_fixed};
 use std::fmt::Write as _;
-use std::fs::{self, File};
 use std::io::{self, BufRead, BufWriter, Write};
-use std::os::unix::fs::MetadataExt;
 
 /// The columns of what `replay` writes.
 pub const HEADER: &str = "time_s,roll_deg,pitch_deg,roll_sigma_deg,pitch_sigma_deg,contrast_c,mode,faults\n";
@@ -50,7 +49,7 @@ pub fn replay<R: BufRead>(
     let mut estimate = Estimate::default();
     let mut line = String::with_capacity(256);
     let mut first = None;
-    let mut stamp = None;
+    let mut fresh = Fresh::default();
     out.write_all(HEADER.as_bytes()).map_err(Stop::Write)?;
     while reader.next_frame(&mut frame).map_err(Stop::Read)? {
         if no_aiding {
@@ -58,10 +57,7 @@ pub fn replay<R: BufRead>(
         }
         update(&frame, &mut estimate);
         line.clear();
-        // A frame that the pipeline makes nothing of leaves the estimate as it was: not to be shown
-        // under a new time.
-        let fresh = stamp.replace(estimate.time) != Some(estimate.time);
-        row(&frame, &estimate, fresh, &head, &mut line);
+        row(&frame, &estimate, fresh.take(&estimate), &head, &mut line);
         out.write_all(line.as_bytes()).map_err(Stop::Write)?;
         summary.frames += 1;
         summary.modes[estimate.mode as usize] += 1;
@@ -71,11 +67,9 @@ pub fn replay<R: BufRead>(
     Ok(summary)
 }
 
-/// Appends the line of one estimate; time is the frame's. Without angles where there are none, or
-/// none since the line before.
-fn row(frame: &Frame, estimate: &Estimate, fresh: bool, head: &Head, line: &mut String) {
+/// Appends the line of one estimate; time is the frame's. Without angles where none are given.
+fn row(frame: &Frame, estimate: &Estimate, given: Option<Attitude>, head: &Head, line: &mut String) {
     push_digits(line, frame.time.as_nanos().saturating_add(500) / 1_000, 6);
-    let given = estimate.attitude.filter(|_| fresh);
     let beside = |value: f64| if given.is_some() { value.to_degrees() } else { f64::NAN };
     let attitude = given.unwrap_or_default();
     for value in [
@@ -99,46 +93,19 @@ fn row(frame: &Frame, estimate: &Estimate, fresh: bool, head: &Head, line: &mut 
 
 /// Does what the command line says; notices and the summary go to `err`.
 pub fn command(args: &ReplayArgs, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> Result<(), CtlError> {
-    let recording = Recording::open(&args.file)?;
-    let settings = match (&args.config, recording.config()) {
-        (Some(path), _) => (kit.load_for_replay)(path),
-        (None, Some(text)) => (kit.parse)(text).or_else(|e| {
-            let _ = writeln!(err, "notice: the recording's own configuration is not used: {}", chain(e.as_ref()));
-            (kit.defaults)()
-        }),
-        (None, None) => (kit.defaults)(),
-    }
-    .map_err(CtlError::Config)?;
-    let head = if settings.sensors.is_empty() { None } else { Some(settings.head()) };
-    let mut reader = recording.frames(head)?;
-    for notice in reader.notices() {
-        let _ = writeln!(err, "notice: {notice}");
-    }
+    let Opened { settings, mut reader } = open(&args.recording, kit, err)?;
     let mut pipeline = (kit.pipeline)(&settings, reader.head());
     let result = match &args.output {
         None => {
             let mut out = BufWriter::with_capacity(64 * 1024, out);
-            replay(&mut reader, args.no_aiding, &mut pipeline, &mut out)
+            replay(&mut reader, args.recording.no_aiding, &mut pipeline, &mut out)
         }
         Some(path) => {
-            let same = |a: fs::Metadata, b: fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
-            if let (Ok(a), Ok(b)) = (fs::metadata(&args.file), fs::metadata(path))
-                && same(a, b)
-            {
-                return Err(CtlError::OverItself { path: path.clone() });
-            }
-            match File::create(path) {
-                Ok(file) => {
-                    let mut out = BufWriter::with_capacity(64 * 1024, file);
-                    replay(&mut reader, args.no_aiding, &mut pipeline, &mut out)
-                }
-                Err(e) => Err(Stop::Write(e)),
-            }
+            let mut out = BufWriter::with_capacity(64 * 1024, create(path, &args.recording.file)?);
+            replay(&mut reader, args.recording.no_aiding, &mut pipeline, &mut out)
         }
     };
-    if !reader.tally().is_clean() {
-        let _ = writeln!(err, "notice: {}", reader.tally());
-    }
+    tell_tally(&reader, err);
     match result {
         Ok(summary) => {
             let _ = writeln!(err, "{}", describe(&summary));
@@ -170,7 +137,6 @@ fn describe(summary: &Summary) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::attitude::Attitude;
     use crate::fault::{ActiveFault, Evidence, FaultKind};
     use crate::time::Time;
 
@@ -186,10 +152,10 @@ mod tests {
             ..Estimate::default()
         };
         let mut line = String::new();
-        row(&frame, &estimate, true, &head, &mut line);
+        row(&frame, &estimate, estimate.attitude, &head, &mut line);
         assert_eq!(line, "1.020000,-30.000,5.250,1.000,2.000,30.000,nominal,\n");
         line.clear();
-        row(&frame, &estimate, false, &head, &mut line);
+        row(&frame, &estimate, None, &head, &mut line);
         assert_eq!(line, "1.020000,,,,,30.000,nominal,\n");
         estimate.attitude = None;
         estimate.mode = Mode::Faulted;
@@ -198,7 +164,7 @@ mod tests {
             estimate.faults.push(ActiveFault { kind, since: Time::default(), evidence });
         }
         line.clear();
-        row(&frame, &estimate, true, &head, &mut line);
+        row(&frame, &estimate, estimate.attitude, &head, &mut line);
         assert_eq!(line, "1.020000,,,,,30.000,faulted,low-contrast|sensor-lost:nose\n");
     }
 }

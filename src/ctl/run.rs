@@ -4,7 +4,7 @@ use super::cli::{Cli, Command, SensorsFormat, StatusFormat};
 use super::error::{CtlError, EXIT_FAILED, EXIT_OK, EXIT_USAGE, chain};
 use super::kit::Kit;
 use super::view::Status;
-use super::{prometheus, record, replay, sensors, signals, simulate, status, watch};
+use super::{plot, prometheus, record, replay, score, sensors, signals, simulate, status, watch};
 use crate::config::settings::BusAddress;
 use crate::sensor::schedule::Schedule;
 use clap::Parser;
@@ -66,6 +66,8 @@ fn dispatch(cli: &Cli, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> R
         Command::Record(args) => record::command(args, &cli.bus, kit, &*stop_flag()?, out, err)?,
         Command::Replay(args) => replay::command(args, kit, out, err)?,
         Command::Simulate(args) => simulate::command(args, out, err)?,
+        Command::Plot(what) => plot::command(what, kit, out, err)?,
+        Command::Score(args) => score::command(args, kit, out, err)?,
     }
     Ok(EXIT_OK)
 }
@@ -131,13 +133,14 @@ fn validate(file: &Path, show: bool, kit: &Kit, out: &mut dyn Write, err: &mut d
 }
 
 /// JSON for people and programs; what is no number is null.
-fn json(value: &impl Serialize) -> Result<String, CtlError> {
+pub(super) fn json(value: &impl Serialize) -> Result<String, CtlError> {
     let mut text = serde_json::to_string_pretty(value).map_err(|e| CtlError::Output(e.into()))?;
     text.push('\n');
     Ok(text)
 }
 
-fn print(out: &mut dyn Write, text: &str) -> Result<(), CtlError> {
+/// Writes `text` and sees it off.
+pub(super) fn print(out: &mut dyn Write, text: &str) -> Result<(), CtlError> {
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(CtlError::Output)
 }
 

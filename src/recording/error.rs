@@ -47,6 +47,16 @@ pub enum ReadError {
         /// The first columns.
         found: String,
     },
+    /// A file of estimates has no angles.
+    #[error("{file}:{line}: no {column} column; expected the columns that irhorizonctl replay writes")]
+    NoEstimates {
+        /// The file.
+        file: String,
+        /// The header's line.
+        line: u64,
+        /// The column looked for.
+        column: &'static str,
+    },
     /// A column is there twice.
     #[error("{file}:{line}: column {column} is there twice; remove or rename one")]
     Duplicate {

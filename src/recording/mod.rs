@@ -5,10 +5,12 @@
 //! - `lines`: lines of bounded length.
 //! - `open`: a recording up to its header; `error`: why it cannot be read.
 //! - `reader`: frames out of it; `tally`: what could not be used of it.
+//! - `estimates`: what `replay` writes, read again.
 //! - `writer`: frames into one.
 //! - `tap`: frames as they come, for whoever records them.
 
 mod error;
+mod estimates;
 pub mod format;
 mod lines;
 mod number;
@@ -19,6 +21,7 @@ mod tap;
 mod writer;
 
 pub use error::ReadError;
+pub use estimates::{EstimateRow, Estimates};
 pub use lines::MAX_LINE;
 pub use number::{push_digits, push_fixed};
 pub use open::Recording;

@@ -99,6 +99,11 @@ impl<R: BufRead> Reader<R> {
         self.reference
     }
 
+    /// The first of the columns of roll and pitch of a reference that is not there.
+    pub fn lacks_reference(&self) -> Option<&'static str> {
+        (0..2).find(|i| !self.columns.contains(&Column::Reference(*i))).map(|i| REFERENCE[i])
+    }
+
     /// Reads the next usable row into `frame`; `false` at the end of the recording.
     pub fn next_frame(&mut self, frame: &mut Frame) -> Result<bool, ReadError> {
         loop {

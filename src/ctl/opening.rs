@@ -1,0 +1,123 @@
+//! A recording opened for the daemon's pipeline: its settings, its frames, what is given of them.
+
+use super::error::{CtlError, chain};
+use super::kit::Kit;
+use super::recording_args::RecordingArgs;
+use crate::attitude::{Attitude, Estimate};
+use crate::config::Settings;
+use crate::config::settings::Method;
+use crate::head::{Head, SensorKind};
+use crate::recording::{Reader, Recording};
+use crate::time::Time;
+use std::fs::{self, File};
+use std::io::{BufReader, Write};
+use std::os::unix::fs::MetadataExt;
+use std::path::Path;
+
+/// A recording with the settings that it is replayed by.
+#[derive(Debug)]
+pub struct Opened {
+    /// The given configuration, or the carried one, or the defaults.
+    pub settings: Settings,
+    /// Its frames.
+    pub reader: Reader<BufReader<File>>,
+}
+
+/// Opens what the command line names; notices go to `err`.
+pub fn open(args: &RecordingArgs, kit: &Kit, err: &mut dyn Write) -> Result<Opened, CtlError> {
+    let recording = Recording::open(&args.file)?;
+    let settings = match (&args.config, recording.config()) {
+        (Some(path), _) => (kit.load_for_replay)(path),
+        (None, Some(text)) => (kit.parse)(text).or_else(|e| {
+            let _ = writeln!(err, "notice: the recording's own configuration is not used: {}", chain(e.as_ref()));
+            (kit.defaults)()
+        }),
+        (None, None) => (kit.defaults)(),
+    }
+    .map_err(CtlError::Config)?;
+    let head = if settings.sensors.is_empty() { None } else { Some(settings.head()) };
+    let reader = recording.frames(head)?;
+    for notice in reader.notices() {
+        let _ = writeln!(err, "notice: {notice}");
+    }
+    Ok(Opened { settings, reader })
+}
+
+/// A new file at `path`, but never over the recording.
+pub fn create(path: &Path, recording: &Path) -> Result<File, CtlError> {
+    let same = |a: fs::Metadata, b: fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
+    if let (Ok(a), Ok(b)) = (fs::metadata(recording), fs::metadata(path))
+        && same(a, b)
+    {
+        return Err(CtlError::OverItself { path: path.to_owned() });
+    }
+    File::create(path).map_err(|source| CtlError::Write { path: path.to_owned(), rows: None, source })
+}
+
+/// Says on `err` what of the recording could not be used.
+pub fn tell_tally(reader: &Reader<BufReader<File>>, err: &mut dyn Write) {
+    if !reader.tally().is_clean() {
+        let _ = writeln!(err, "notice: {}", reader.tally());
+    }
+}
+
+/// The settings with another method. The limit of roll goes with it where it is the one that holds
+/// unsaid: 45° for the report's scheme, none for the others.
+pub fn with_method(settings: &Settings, method: Method) -> Settings {
+    let unsaid_deg = |m: Method| if m == Method::InverseSine { 45.0 } else { 0.0 };
+    let mut settings = settings.clone();
+    let e = &mut settings.estimator;
+    if e.roll_limit_deg == unsaid_deg(e.method) {
+        e.roll_limit_deg = unsaid_deg(method);
+    }
+    e.method = method;
+    settings
+}
+
+/// Whether `method` works on `head`: the six temperatures of `field` are not to be had from pairs.
+pub fn allows(head: &Head, method: Method) -> bool {
+    method.as_str() != "field" || head.sensors.iter().all(|s| s.kind == SensorKind::Absolute)
+}
+
+/// Tells new estimates from those that a frame left as they were.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Fresh {
+    stamp: Option<Time>,
+}
+
+impl Fresh {
+    /// The attitude that `estimate` gives anew. A frame that the pipeline makes nothing of leaves
+    /// the estimate as it was: not to be shown under a new time.
+    pub fn take(&mut self, estimate: &Estimate) -> Option<Attitude> {
+        let fresh = self.stamp.replace(estimate.time) != Some(estimate.time);
+        estimate.attitude.filter(|_| fresh)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_attitude_is_given_once_for_each_stamp() {
+        let mut fresh = Fresh::default();
+        let mut estimate = Estimate { attitude: Some(Attitude::default()), ..Estimate::default() };
+        assert!(fresh.take(&estimate).is_some());
+        assert!(fresh.take(&estimate).is_none());
+        estimate.time = Time::from_nanos(1);
+        assert!(fresh.take(&estimate).is_some());
+        estimate.time = Time::from_nanos(2);
+        estimate.attitude = None;
+        assert!(fresh.take(&estimate).is_none());
+    }
+
+    #[test]
+    fn a_limit_that_was_chosen_stays_with_any_method() {
+        for (_, method) in Method::NAMED {
+            let mut settings = Settings::default();
+            settings.estimator.roll_limit_deg = 60.0;
+            let changed = with_method(&settings, method);
+            assert_eq!((changed.estimator.method, changed.estimator.roll_limit_deg), (method, 60.0));
+        }
+    }
+}

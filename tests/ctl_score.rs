@@ -1,0 +1,50 @@
+//! `score` with a stand-in for the pipeline: whose rows count, and what is said of them.
+//! `GOLDEN=write cargo test --test ctl_score` writes the expected answers anew.
+
+mod ctl_kit;
+
+use ctl_kit::{FLIGHT, file, golden, refused, run};
+
+const OTHER: &str = "other=tests/golden/score/other.csv";
+
+fn scored(name: &str, args: &[&str]) {
+    let (code, out, err) = run(&[&["score", FLIGHT], args].concat());
+    assert_eq!((code, err.as_str()), (0, ""));
+    golden(format!("tests/golden/score/{name}"), &out);
+}
+
+#[test]
+fn a_flight_is_scored_as_it_was_before() {
+    scored("plain.txt", &["--method", "inverse-sine", "--beside", OTHER]);
+    scored("no-aiding.txt", &["--method", "inverse-sine", "--no-aiding", "--skip", "0", "--min-ground-speed", "8"]);
+    scored(
+        "score.json",
+        &["--method", "inverse-sine", "--format", "json", "--beside", OTHER, "--min-ground-speed", "2.5"],
+    );
+}
+
+#[test]
+fn a_method_named_twice_is_scored_once() {
+    let twice = ["score", FLIGHT, "--method", "inverse-sine", "--method", "inverse-sine"];
+    assert_eq!(run(&twice).1.matches("inverse-sine").count(), 1);
+    let all = ["score", FLIGHT, "--method", "all", "--method", "inverse-sine"];
+    assert_eq!(run(&all).1.matches("inverse-sine").count(), 1);
+}
+
+#[test]
+fn what_cannot_be_scored_is_said_in_one_line() {
+    let bare = file("bare.csv", "time_s,nose_obj_c,ref_roll_deg\n0,1,2\n");
+    let later = file("later.csv", "time_s,roll_deg,pitch_deg\n9e9,1,2\n");
+    for (args, words) in [
+        (vec!["/nowhere.csv"], "opening the recording /nowhere.csv"),
+        (vec![&bare], "bare.csv has no column ref_pitch_deg: a reference to score against is"),
+        (vec![FLIGHT, "--skip", "1e6"], "none of the 120 rows of tests/golden/score/flight.csv is left to score"),
+        (vec![FLIGHT, "--min-ground-speed", "99"], "rows not above 99 m/s (--min-ground-speed)"),
+        (vec![FLIGHT, "--beside", "a=/nowhere.csv"], "opening the recording /nowhere.csv"),
+        (vec![FLIGHT, "--beside", "a=tests/golden/score/flight.csv"], "no roll_deg column; expected the columns"),
+        (vec![FLIGHT, "--beside", &format!("a={later}")], "no row of "),
+    ] {
+        refused(&[&["score"], &args[..]].concat(), words);
+    }
+    assert_eq!(run(&["score", FLIGHT, "--method", "sine"]).0, 64);
+}
