@@ -41,7 +41,7 @@ struct Args {
 fn settings(file: &Path, config: Option<&Path>) -> Result<Settings, Cause> {
     match (config, Recording::open(file)?.config()) {
         (Some(path), _) => (Kit::REAL.load_for_replay)(path),
-        (None, Some(text)) => (Kit::REAL.parse)(text),
+        (None, Some(text)) => (Kit::REAL.parse)(text).or_else(|_| (Kit::REAL.defaults)()),
         (None, None) => (Kit::REAL.defaults)(),
     }
 }
