@@ -10,32 +10,7 @@ use irhorizon::recording::Recording;
 use std::path::Path;
 
 /// Two pairs 45° off the axes, one vertical, on a 10-bit converter.
-const HEAD: &str = r#"
-[[sensor]]
-name = "diag_a"
-kind = "ads1115"
-bus = "/dev/i2c-1"
-address = 0x48
-input = "ain0-ain1"
-kelvin-per-v = 40.0
-direction = { azimuth-deg = 225.0, elevation-deg = 0.0 }
-[[sensor]]
-name = "diag_b"
-kind = "ads1115"
-bus = "/dev/i2c-1"
-address = 0x48
-input = "ain2-ain3"
-kelvin-per-v = 40.0
-direction = { azimuth-deg = 315.0, elevation-deg = 0.0 }
-[[sensor]]
-name = "vert"
-kind = "ads1115"
-bus = "/dev/i2c-1"
-address = 0x49
-input = "ain0-ain1"
-kelvin-per-v = 40.0
-direction = "up"
-"#;
+const HEAD: &str = include_str!("heads/diagonal.toml");
 
 fn rms(errors: &[f64]) -> f64 {
     (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()

@@ -1,18 +1,21 @@
-//! The sampling loop allocates nothing once its first rounds are over: an allocator that counts
-//! what this thread asks for.
+//! The sampling loop, and every method's update by itself, allocate nothing once their first rounds are
+//! over: an allocator that counts what this thread asks for.
 //!
 //! Faults come and go meanwhile, and a recording listens; what the log does with its lines is the
 //! logger's affair, so the one here formats them into nothing.
 
+mod methods;
+
 use irhorizon::config::Settings;
-use irhorizon::config::settings::SimulationSettings;
+use irhorizon::config::settings::{Method, SimulationSettings};
 use irhorizon::daemon::sampling::Sampling;
-use irhorizon::frame::Missing;
+use irhorizon::frame::{Frame, Missing};
 use irhorizon::head::Head;
 use irhorizon::horizon::Horizon;
 use irhorizon::recording::Taps;
 use irhorizon::simulation::{Outage, SimulatedSource};
 use irhorizon::sky::FieldOfView;
+use irhorizon::source::FrameSource;
 use irhorizon::state::Shared;
 use irhorizon::time::Time;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -141,4 +144,34 @@ fn faults_come_and_go() {
     // All of them at once: nothing is fresh.
     outages.extend((0..6).map(|sensor| Outage { sensor, from_s: 90.0, to_s: 92.0, reason: Missing::NoAnswer }));
     assert_eq!(allocations(outages, true, 50, 5_000), 0);
+}
+
+/// Each method by itself, with body rates and without, while sensors come and go.
+#[test]
+fn an_update_of_any_method() {
+    let head = Head::six();
+    let field = FieldOfView::Gaussian { fwhm_deg: 90.0 };
+    let outage = |sensor, from_s| Outage { sensor, from_s, to_s: from_s + 1.0, reason: Missing::NoAnswer };
+    let mut outages: Vec<Outage> = (0..6).map(|sensor| outage(sensor, 5.0 + 2.0 * sensor as f64)).collect();
+    outages.extend((0..6).map(|sensor| outage(sensor, 20.0)));
+    for (name, method) in Method::NAMED {
+        for rates in [false, true] {
+            let mut source =
+                SimulatedSource::new(&SimulationSettings::default(), &head, field).with_outages(outages.clone());
+            let mut estimator = methods::estimator(method, &head);
+            let mut frame = Frame::new(6);
+            let mut before = 0;
+            for i in 0..1500_u64 {
+                source.scan(Time::from_nanos(i * 20_000_000), &mut frame);
+                if rates {
+                    frame.aiding.gyro_deg_s = [Some(1.0), Some(-2.0), Some(3.0)];
+                }
+                if i == 50 {
+                    before = ALLOCATIONS.get();
+                }
+                estimator.update(&frame);
+            }
+            assert_eq!(ALLOCATIONS.get() - before, 0, "{name}, body rates {rates}");
+        }
+    }
 }
