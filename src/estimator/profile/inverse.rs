@@ -26,16 +26,18 @@ impl Inverse {
     /// The sine of the elevation at which a pair gives `ratio` of its contrast; ±1 at and beyond
     /// ±1, NaN for NaN.
     pub fn sine(&self, ratio: f64) -> f64 {
-        let place = place(ratio);
-        let cell = cell(place);
-        let sine = self.sines[cell] + (place - cell as f64) * (self.sines[cell + 1] - self.sines[cell]);
-        sine.copysign(ratio)
+        self.sine_and_slope(ratio).0
     }
 
-    /// How fast that sine rises with the ratio, ≥ 0; beyond ±1 as at ±1.
-    pub fn slope(&self, ratio: f64) -> f64 {
-        let cell = cell(place(ratio));
-        (self.sines[cell + 1] - self.sines[cell]) / (ratio_of(cell + 1) - ratio_of(cell))
+    /// That sine, and how fast it rises with the ratio, ≥ 0; beyond ±1 as at ±1.
+    pub fn sine_and_slope(&self, ratio: f64) -> (f64, f64) {
+        let place = place(ratio);
+        let cell = cell(place);
+        let step = self.sines[cell + 1] - self.sines[cell];
+        let sine = self.sines[cell] + (place - cell as f64) * step;
+        // The middle of the step in √(1 − ratio), and what the ratio moves by in it.
+        let rest = (INTERVALS as f64 - cell as f64 - 0.5) / INTERVALS as f64;
+        (sine.copysign(ratio), step * INTERVALS as f64 / (2.0 * rest))
     }
 }
 
@@ -110,7 +112,7 @@ mod tests {
         assert_eq!(table.sine(-0.3), -table.sine(0.3));
         for ratio in [1.0, 1.0 + 1e-12, 7.0, 1e300, f64::INFINITY] {
             assert_eq!((table.sine(ratio), table.sine(-ratio)), (1.0, -1.0));
-            assert!(table.slope(ratio).is_finite());
+            assert!(table.sine_and_slope(ratio).1.is_finite());
         }
         assert_eq!(table.sine(0.0), 0.0);
         assert!(table.sine(f64::NAN).is_nan());
@@ -122,7 +124,11 @@ mod tests {
         for i in -99..=99 {
             let (ratio, step) = (f64::from(i) / 100.0, 2e-3);
             let slope = (table.sine(ratio + step) - table.sine(ratio - step)) / (2.0 * step);
-            assert!((table.slope(ratio) - slope).abs() < 0.05 * slope, "{ratio}: {} for {slope}", table.slope(ratio));
+            assert!(
+                (table.sine_and_slope(ratio).1 - slope).abs() < 0.05 * slope,
+                "{ratio}: {} for {slope}",
+                table.sine_and_slope(ratio).1
+            );
         }
     }
 }

@@ -14,8 +14,8 @@ const DEAD_BAND_K: f64 = 3.0 * PAIR_NOISE_K;
 /// A filter over solved contrasts. An angle is underestimated when the range it is scaled by is too
 /// large: a cloud is followed at once, the blue after it only slowly.
 ///
-/// With 0.08 K of noise in each sensor it stays within 0.02 K of the mean contrast; without the dead band it
-/// would settle near the lowest contrasts seen, about 2 standard deviations (0.2 K) down.
+/// With 0.08 K of noise in each sensor, 50 times a second, it settles 0.002 K below the mean
+/// contrast. Without the dead band it would be 0.17 K, 0.9 % of a contrast of 20 K.
 #[derive(Clone, Copy, Debug)]
 pub struct AdaptiveRange {
     rise_s: f64,

@@ -1,13 +1,13 @@
 //! Contrast and vertical of one set of signals: `mᵢ = D·g(bᵢ·u)`, `|u| = 1`.
 
 use super::inverse::Inverse;
-use super::root::root;
+use super::root::{Point, root};
 use crate::direction::Direction;
 use crate::estimator::normal::{Normal, Vector, dot, product};
 use crate::sky::PairCurve;
 
 /// How far |u| may be from 1 at the contrast that is found: far below a hundredth of a degree.
-const TOLERANCE: f64 = 1e-8;
+const TOLERANCE: f64 = 1e-7;
 
 /// A signal beyond this, K, comes from no pair and counts as missing.
 const LARGEST_SIGNAL_K: f64 = 1e4;
@@ -77,9 +77,9 @@ impl Solver {
     ///
     /// The length of u falls with the contrast that is assumed, from that of the largest signal on,
     /// so the contrast is where it passes 1. Signals that no contrast explains (noise, an obstructed
-    /// sensor) give the smallest one possible. Of contrasts that explain them equally well (skew
-    /// heads know such) the largest but one place of the search is taken: the one nearest to the
-    /// largest signal.
+    /// sensor) get the smallest one possible. Three pairs at right angles have one solution. Very skew
+    /// pairs under a curve far from the sine (in-plane and flat conical fields) can have two, and one
+    /// is given: of three pairs at random, the other in 3 attitudes of 1000.
     pub fn solve(&self, signals: &[Option<f64>]) -> Option<Solved> {
         let present = self.present(signals)?;
         if present.largest_k < SMALLEST_SIGNAL_K {
@@ -87,21 +87,16 @@ impl Solver {
         }
         // The unknown is 1/D in units of the largest signal: at 0 there is nothing, at 1 the largest
         // signal's pair is vertical, and between them |u| is close to a straight line.
-        let length = |x: f64| {
-            let u = present.vertical(x / present.largest_k);
-            dot(u, u).sqrt()
+        let excess = |x: f64| present.excess(x);
+        let top = excess(1.0);
+        // Only skew pairs come out too short there and long enough elsewhere.
+        let x = if top.value >= -TOLERANCE {
+            root(excess, 0.0, top, TOLERANCE)
+        } else {
+            let mut places = (1..PLACES).rev().map(|i| excess(f64::from(i) / f64::from(PLACES)));
+            let inside = places.find(|p| p.value >= 0.0);
+            inside.map_or(1.0, |inside| root(excess, 0.0, inside, TOLERANCE))
         };
-        let excess = |x: f64| length(x) - 1.0;
-        let mut top = (1.0, excess(1.0));
-        let mut bottom = (0.0, -1.0);
-        if top.1 < -TOLERANCE {
-            let places = (1..PLACES).rev().map(|i| f64::from(i) / f64::from(PLACES));
-            let found = places.map(|x| (x, excess(x))).find(|place| place.1 >= 0.0);
-            if let Some(inside) = found {
-                (bottom, top) = (top, inside);
-            }
-        }
-        let x = if top.1 < 0.0 { top.0 } else { root(excess, bottom, top, TOLERANCE) };
         let contrast_k = present.largest_k / x;
         let (vertical, length) = unit(present.vertical(1.0 / contrast_k))?;
         let residual_k = if present.count > 3 { present.misfit_k(vertical, contrast_k) } else { 0.0 };
@@ -130,11 +125,11 @@ impl Solver {
         let present = self.present(signals)?;
         let per_k = 1.0 / solved.contrast_k;
         // What u moves by when the contrast does, over what its length does.
-        let pull = present.sum(|m| self.inverse.slope(m * per_k) * m * per_k);
+        let pull = present.sum(|m| self.inverse.sine_and_slope(m * per_k).1 * m * per_k);
         let along = dot(pull, solved.vertical);
         let mut squares = [0.0; N];
         for (direction, m) in present.pairs() {
-            let slope = self.inverse.slope(m * per_k);
+            let slope = self.inverse.sine_and_slope(m * per_k).1;
             let moved = product(&present.normal, direction.components()).map(|p| p * slope * per_k);
             let kept = if along > 0.0 { dot(moved, solved.vertical) / along } else { 0.0 };
             for (square, way) in squares.iter_mut().zip(ways) {
@@ -181,6 +176,22 @@ impl Present<'_> {
     /// The vector whose components along the pairs are `g⁻¹(m/D)`, for 1/D = `per_k`.
     fn vertical(&self, per_k: f64) -> Vector {
         self.sum(|m| self.solver.inverse.sine(m * per_k))
+    }
+
+    /// By how much its length exceeds 1, for 1/D = `x`/largest signal.
+    fn excess(&self, x: f64) -> Point {
+        let per_k = x / self.largest_k;
+        let (mut right, mut rising) = ([0.0; 3], [0.0; 3]);
+        for (direction, m) in self.pairs() {
+            let (sine, slope) = self.solver.inverse.sine_and_slope(m * per_k);
+            for ((sum, rise), b) in right.iter_mut().zip(&mut rising).zip(direction.components()) {
+                *sum += b * sine;
+                *rise += b * slope * m / self.largest_k;
+            }
+        }
+        let (u, rising) = (product(&self.normal, right), product(&self.normal, rising));
+        let length = dot(u, u).sqrt();
+        Point { x, value: length - 1.0, slope: dot(u, rising) / length }
     }
 
     fn misfit_k(&self, vertical: Vector, contrast_k: f64) -> f64 {
