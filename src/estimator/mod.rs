@@ -1,16 +1,22 @@
 //! From frames to attitude. Pure: time comes with the frame; the same frames give the same bytes.
 //!
 //! - [`inverse_sine`]: the report's scheme (section IV.B), the baseline of every comparison;
+//! - [`profile`]: three pairs or more, inverted through the sky's shape;
 //! - [`contrast_vector`]: pairs in any direction, solved for one vector;
-//! - [`range`]: the low-pass filter of the adaptive range.
+//! - [`range`]: the low-pass filter of the adaptive range;
+//! - [`normal`], [`noise`]: least squares over directions, and the noise that every σ assumes.
 //!
 //! A method is an [`Estimator`]; [`crate::horizon`] runs it beside the fault detectors.
 
 pub mod contrast_vector;
 pub mod inverse_sine;
+pub mod noise;
+pub mod normal;
+pub mod profile;
 pub mod range;
 
 pub use inverse_sine::InverseSineEstimator;
+pub use profile::ProfileEstimator;
 
 use crate::attitude::Attitude;
 use crate::frame::Frame;

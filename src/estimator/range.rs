@@ -25,7 +25,7 @@ impl LowPass {
             match &mut self.state {
                 None => self.state = Some((value, time)),
                 Some((filtered, last)) if time > *last => {
-                    *filtered += (value - *filtered) * -(-time.since(*last) / self.time_constant_s).exp_m1();
+                    *filtered += (value - *filtered) * share(time.since(*last), self.time_constant_s);
                     *last = time;
                 }
                 Some(_) => {}
@@ -38,6 +38,11 @@ impl LowPass {
     pub fn value(&self) -> Option<f64> {
         self.state.map(|(v, _)| v)
     }
+}
+
+/// How much of a step has gone through a first-order low-pass filter after `dt_s`: 0..1.
+pub fn share(dt_s: f64, time_constant_s: f64) -> f64 {
+    -(-dt_s / time_constant_s).exp_m1()
 }
 
 #[cfg(test)]

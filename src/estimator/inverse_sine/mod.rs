@@ -9,6 +9,7 @@ mod excess;
 mod table;
 
 use super::contrast_vector::contrast_vector;
+use super::noise::PAIR_NOISE_K;
 use super::range::LowPass;
 use super::{Estimator, Solution};
 use crate::attitude::Attitude;
@@ -16,9 +17,6 @@ use crate::frame::Frame;
 use crate::head::Head;
 use excess::Excess;
 use table::InverseSine;
-
-/// Noise of one pair's signal that the standard deviations assume, K rms: two sensors of 0.08 K.
-const PAIR_NOISE_K: f64 = 0.113;
 
 /// The smallest range that an angle is divided by, K: far below any usable contrast.
 const SMALLEST_RANGE_K: f64 = 1e-3;
