@@ -1,6 +1,7 @@
 //! From the signals of pairs in any direction to one vector on the aircraft's axes.
 
-use super::normal::{Normal, product};
+use super::normal::Normal;
+use super::vector::product;
 use crate::frame::Frame;
 use crate::head::Head;
 

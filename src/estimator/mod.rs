@@ -3,18 +3,23 @@
 //! - [`inverse_sine`]: the report's scheme (section IV.B), the baseline of every comparison;
 //! - [`profile`]: three pairs or more, inverted through the sky's shape;
 //! - [`contrast_vector`]: pairs in any direction, solved for one vector;
+//! - [`field`]: every sensor by itself, the sky estimated together with the attitude;
 //! - [`range`]: the low-pass filter of the adaptive range;
-//! - [`normal`], [`noise`]: least squares over directions, and the noise that every σ assumes.
+//! - [`vector`], [`normal`], [`noise`]: three components, least squares over directions, and the noise that every σ
+//!   assumes.
 //!
 //! A method is an [`Estimator`]; [`crate::horizon`] runs it beside the fault detectors.
 
 pub mod contrast_vector;
+pub mod field;
 pub mod inverse_sine;
 pub mod noise;
 pub mod normal;
 pub mod profile;
 pub mod range;
+pub mod vector;
 
+pub use field::FieldEstimator;
 pub use inverse_sine::InverseSineEstimator;
 pub use profile::ProfileEstimator;
 

@@ -1,9 +1,7 @@
 //! Least squares over directions: the 3×3 matrix that they all share.
 
+use super::vector::Vector;
 use crate::direction::Direction;
-
-/// A vector or a row of a matrix on (nose, left, up).
-pub type Vector = [f64; 3];
 
 /// The smallest determinant that can be solved. The entries are sums of products of unit vectors,
 /// so its natural scale is 1.
@@ -38,19 +36,10 @@ impl Normal {
     }
 }
 
-/// The scalar product.
-pub fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// A matrix, by its rows, times a vector.
-pub fn product(matrix: &[Vector; 3], vector: Vector) -> Vector {
-    matrix.map(|row| dot(row, vector))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimator::vector::product;
 
     #[test]
     fn the_inverse_undoes_the_matrix() {

@@ -15,7 +15,7 @@ pub mod solve;
 
 use super::contrast_vector::contrast_vector;
 use super::noise::PAIR_NOISE_K;
-use super::normal::{Vector, dot};
+use super::vector::{Vector, dot};
 use super::{Estimator, Solution};
 use crate::attitude::Attitude;
 use crate::direction::Direction;

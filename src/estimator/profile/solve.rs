@@ -3,7 +3,8 @@
 use super::inverse::Inverse;
 use super::root::{Point, root};
 use crate::direction::Direction;
-use crate::estimator::normal::{Normal, Vector, dot, product};
+use crate::estimator::normal::Normal;
+use crate::estimator::vector::{Vector, dot, product};
 use crate::sky::PairCurve;
 
 /// How far |u| may be from 1 at the contrast that is found: far below a hundredth of a degree.

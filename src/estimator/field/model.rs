@@ -1,0 +1,137 @@
+//! What each sensor of the head should show, with the slopes.
+
+use super::state::MAX_SENSORS;
+use crate::estimator::vector::{Vector, cross, dot};
+use crate::frame::{Frame, Value};
+use crate::head::{Head, SensorKind};
+use crate::sky::family::{Level, RADIANCE_K};
+use crate::sky::{Family, FieldOfView};
+use crate::time::Time;
+
+/// One sensor.
+#[derive(Clone, Copy, Debug)]
+struct Channel {
+    direction: Vector,
+    kind: SensorKind,
+}
+
+/// The head under a sky of the family.
+#[derive(Clone, Debug)]
+pub struct Model {
+    family: Family,
+    channels: Vec<Channel>,
+}
+
+/// What a sensor shows at rest, and its slopes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seen {
+    /// K or °C.
+    pub value: f64,
+    /// With a turn of the body, K/rad.
+    pub by_turn: Vector,
+    /// With the ground's temperature.
+    pub by_ground: f64,
+    /// With the contrast.
+    pub by_contrast: f64,
+    /// With the logarithm of the sky's depth, K.
+    pub by_depth: f64,
+    /// With the sensor's own scene: the share of sky in what it sees.
+    pub sky: f64,
+    /// With the share of averaging in radiance, K.
+    pub by_radiance: f64,
+    /// With the warmth of the sky's north and west, and the ground's.
+    pub by_side: [f64; 4],
+}
+
+/// What lies around.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    /// The ground, °C.
+    pub ground_c: f64,
+    /// A vertical pair's signal, K.
+    pub contrast_k: f64,
+    /// The logarithm of the sky's depth.
+    pub ln_depth: f64,
+    /// The share of averaging in radiance.
+    pub radiance: f64,
+    /// How much warmer north and west of the sky, then of the ground, are, K.
+    pub side_k: [f64; 4],
+}
+
+impl Model {
+    /// For `head`, at most [`MAX_SENSORS`] of whose sensors are used, with the field of view of each.
+    pub fn new(head: &Head, field: FieldOfView) -> Self {
+        let channels = head.sensors.iter().take(MAX_SENSORS);
+        let channels = channels.map(|s| Channel { direction: s.direction.components(), kind: s.kind }).collect();
+        Self { family: Family::new(field), channels }
+    }
+
+    /// How many sensors.
+    pub fn len(&self) -> usize {
+        self.channels.len()
+    }
+
+    /// Whether any sensor shows a temperature of its own, from which the ground's can be told.
+    pub fn is_absolute(&self) -> bool {
+        self.channels.iter().any(|c| c.kind == SensorKind::Absolute)
+    }
+
+    /// Where sensor `i` looks.
+    pub fn direction(&self, i: usize) -> Vector {
+        self.channels[i].direction
+    }
+
+    /// The reading of sensor `i` in K or °C, and its stamp.
+    pub fn reading(&self, i: usize, frame: &Frame) -> Option<(f64, Time)> {
+        let sample = frame.readings.get(i)?.ok()?;
+        let value = match (sample.value, self.channels[i].kind) {
+            (Value::Absolute { object_c, .. }, SensorKind::Absolute) => object_c,
+            (Value::Volts(v), SensorKind::Pair { neutral_v, kelvin_per_v }) => (v - neutral_v) * kelvin_per_v,
+            _ => return None,
+        };
+        (value.abs() < 1000.0).then_some((value, sample.time))
+    }
+
+    /// What sensor `i` shows at rest with these level axes (rows: north, west, up on the body).
+    pub fn seen(&self, i: usize, axes: &[Vector; 3], scene: &Scene) -> Seen {
+        let Channel { direction, kind } = self.channels[i];
+        let sine = dot(direction, axes[2]);
+        let side = [dot(direction, axes[0]), dot(direction, axes[1])];
+        let share = scene.contrast_k / RADIANCE_K;
+        let high = self.family.level(sine, scene.ln_depth, scene.radiance * share);
+        let sides = |level: &Level| -> [f64; 4] { std::array::from_fn(|i| level.side[i / 2] * side[i % 2]) };
+        let warmth = |by: &[f64; 4]| by.iter().zip(scene.side_k).map(|(b, k)| b * k).sum::<f64>();
+        match kind {
+            SensorKind::Absolute => {
+                let slope = -scene.contrast_k * high.by_sine;
+                let by_side = sides(&high);
+                Seen {
+                    value: scene.ground_c - scene.contrast_k * high.value + warmth(&by_side),
+                    by_turn: cross(direction, axes[2]).map(|c| slope * c),
+                    by_ground: 1.0,
+                    by_contrast: -high.value,
+                    by_depth: -scene.contrast_k * high.by_ln_depth,
+                    sky: (high.value * 3.0).clamp(0.35, 1.0),
+                    by_radiance: -scene.contrast_k * share * high.by_radiance,
+                    by_side,
+                }
+            }
+            SensorKind::Pair { .. } => {
+                let low = self.family.level(-sine, scene.ln_depth, scene.radiance * share);
+                let slope = scene.contrast_k * (high.by_sine + low.by_sine);
+                let (up, down) = (sides(&high), sides(&low));
+                let by_side = std::array::from_fn(|i| -up[i] - down[i]);
+                Seen {
+                    value: scene.contrast_k * (high.value - low.value) + warmth(&by_side),
+                    by_turn: cross(direction, axes[2]).map(|c| slope * c),
+                    by_ground: 0.0,
+                    by_contrast: high.value - low.value,
+                    by_depth: scene.contrast_k * (high.by_ln_depth - low.by_ln_depth),
+                    sky: 1.4,
+                    by_radiance: scene.contrast_k * share * (high.by_radiance - low.by_radiance),
+                    by_side,
+                }
+            }
+        }
+    }
+}

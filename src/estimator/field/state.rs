@@ -1,0 +1,138 @@
+//! The filter's state: values, covariance, and the two things done with them.
+
+use crate::estimator::vector::{Vector, cross, dot, product, rotation, unit};
+
+/// The most sensors that a head may have.
+pub const MAX_SENSORS: usize = 8;
+
+/// Where each state stands. Rotation error on (nose, left, up), rad.
+pub const TURN: usize = 0;
+/// Correction to the body rates, rad/s: minus the gyro's bias, or the rates themselves without one.
+pub const RATE: usize = 3;
+/// The ground's temperature, °C.
+pub const GROUND: usize = 6;
+/// What a vertical pair shows, K.
+pub const CONTRAST: usize = 7;
+/// The logarithm of the sky's optical depth.
+pub const DEPTH: usize = 8;
+/// How much warmer than the mean the north and the west of the sky are, then of the ground, K.
+pub const SIDE: usize = 9;
+/// What coordinated turns and climb say more than the thermopiles: roll and pitch, rad.
+pub const OFFSET: usize = 13;
+/// The logarithm of the sensors' time constant over the configured one.
+pub const LAG: usize = 15;
+/// The share of averaging in radiance.
+pub const RADIANCE: usize = 16;
+/// What each sensor shows, lag included; then each sensor's own scene.
+pub const SEEN: usize = 17;
+
+/// The most states.
+pub const MAX: usize = SEEN + 2 * MAX_SENSORS;
+
+/// Values and covariance. States beyond [`State::len`] are not used.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// The level axes north, west, up, on the body's axes: rows.
+    pub axes: [Vector; 3],
+    /// All values; the turn's three are zero between updates.
+    pub x: [f64; MAX],
+    /// Covariance.
+    pub p: [[f64; MAX]; MAX],
+    sensors: usize,
+}
+
+impl State {
+    /// Level, heading north, everything else zero and certain.
+    pub fn new(sensors: usize) -> Self {
+        Self {
+            axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            x: [0.0; MAX],
+            p: [[0.0; MAX]; MAX],
+            sensors: sensors.min(MAX_SENSORS),
+        }
+    }
+
+    /// How many states there are.
+    pub fn len(&self) -> usize {
+        SEEN + 2 * self.sensors
+    }
+
+    /// The state of sensor `i`'s own scene, K.
+    pub fn scene(&self, i: usize) -> usize {
+        SEEN + self.sensors + i
+    }
+
+    /// The upward vertical on (nose, left, up).
+    pub fn vertical(&self) -> Vector {
+        self.axes[2]
+    }
+
+    /// Makes state `i` independent of all others, with this variance.
+    pub fn set_variance(&mut self, i: usize, variance: f64) {
+        for j in 0..self.len() {
+            self.p[i][j] = 0.0;
+            self.p[j][i] = 0.0;
+        }
+        self.p[i][i] = variance;
+    }
+
+    /// Adds process noise to state `i`.
+    pub fn add_variance(&mut self, i: usize, variance: f64) {
+        self.p[i][i] += variance;
+    }
+
+    /// Takes in a measurement `h·x + noise` that differs from its prediction by `innovation`.
+    pub fn correct(&mut self, h: &[(usize, f64)], innovation: f64, variance: f64) {
+        let n = self.len();
+        let mut ph = [0.0; MAX];
+        for (i, v) in ph[..n].iter_mut().enumerate() {
+            *v = h.iter().map(|(k, c)| self.p[i][*k] * c).sum();
+        }
+        let s = h.iter().map(|(k, c)| ph[*k] * c).sum::<f64>() + variance;
+        self.gain(&ph, s, innovation);
+    }
+
+    /// Takes in a measurement of state `i` itself.
+    pub fn correct_one(&mut self, i: usize, innovation: f64, variance: f64) {
+        let ph = self.p[i];
+        self.gain(&ph, ph[i] + variance, innovation);
+    }
+
+    fn gain(&mut self, ph: &[f64; MAX], s: f64, innovation: f64) {
+        let n = self.len();
+        let inverse = 1.0 / s;
+        for i in 0..n {
+            let k = ph[i] * inverse;
+            self.x[i] += k * innovation;
+            if k != 0.0 {
+                for (p, h) in self.p[i][..n].iter_mut().zip(&ph[..n]) {
+                    *p -= k * h;
+                }
+            }
+        }
+    }
+
+    /// Turns the body by `turn`, rad: the axes go the other way.
+    pub fn rotate(&mut self, turn: Vector) {
+        let m = rotation(turn.map(|c| -c));
+        self.axes = self.axes.map(|a| product(&m, a));
+    }
+
+    /// Takes the turn found by corrections into the axes, and squares these.
+    pub fn settle(&mut self) {
+        let turn = [self.x[TURN], self.x[TURN + 1], self.x[TURN + 2]];
+        self.rotate(turn);
+        self.x[TURN..TURN + 3].fill(0.0);
+        let up = unit(self.axes[2]).unwrap_or([0.0, 0.0, 1.0]);
+        let along = dot(self.axes[0], up);
+        let north = unit(std::array::from_fn(|i| self.axes[0][i] - along * up[i])).unwrap_or([1.0, 0.0, 0.0]);
+        self.axes = [north, cross(up, north), up];
+    }
+
+    /// Whether every number is one, and every variance is none below zero.
+    pub fn is_sound(&self) -> bool {
+        let n = self.len();
+        self.x[..n].iter().all(|v| v.is_finite())
+            && (0..n).all(|i| self.p[i][i] >= 0.0 && self.p[i][..n].iter().all(|v| v.is_finite()))
+    }
+}

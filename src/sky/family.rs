@@ -1,0 +1,189 @@
+//! One table for a whole family of skies, so that the sky's shape can be estimated.
+//!
+//! A plane-parallel grey atmosphere whose optical depth is free comes within 0.1 K of every sky of
+//! 40 K contrast that was tried: the report's exponentials with k from 2 to 12, dry to overcast,
+//! averaged in temperature or in radiance.
+
+use super::{FieldOfView, Shape};
+
+/// Natural logarithms of the optical depths at the table's ends.
+pub const LN_DEPTH: (f64, f64) = (-3.5, 1.4);
+const DEPTHS: usize = 24;
+const ELEVATIONS: usize = 181;
+/// Steps of the sine of elevation while the table is being made.
+const SINES: usize = 512;
+
+/// What a sensor sees of a grey atmosphere, against its axis' elevation and the logarithm of the
+/// atmosphere's optical depth.
+///
+/// Normalised: 0 with the axis straight down, 1 with it straight up. A sensor shows
+/// `ground − contrast·level`, `contrast` being what a vertical pair shows.
+#[derive(Clone, Debug)]
+pub struct Family {
+    /// By depth, then by elevation from −90° in steps of 1°.
+    table: Vec<[f64; ELEVATIONS]>,
+    /// What averaging in radiance adds to the level at [`RADIANCE_K`] of contrast, less what another
+    /// ground, contrast and depth would do as well; by elevation.
+    radiance: [f64; ELEVATIONS],
+    /// How much of a sky that is warmer by the cosine of its azimuth is seen, over the cosine of the
+    /// axis' elevation; by elevation.
+    side: [f64; ELEVATIONS],
+}
+
+/// A look-up with its slopes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Level {
+    /// 0..1, rising with elevation.
+    pub value: f64,
+    /// Its change with the sine of the elevation.
+    pub by_sine: f64,
+    /// Its change with the logarithm of the depth.
+    pub by_ln_depth: f64,
+    /// What is seen of a sky, and of a ground, that are warmer by the cosine of their azimuth: K for
+    /// a K, of the horizontal component of the axis.
+    pub side: [f64; 2],
+    /// Its change with the share of averaging in radiance.
+    pub by_radiance: f64,
+}
+
+impl Family {
+    /// Makes the table, in a few milliseconds.
+    pub fn new(field: FieldOfView) -> Self {
+        let nodes = field.nodes();
+        let depths: Vec<f64> = (0..DEPTHS).map(|i| ln_depth(i).exp()).collect();
+        let deficits: Vec<[f64; DEPTHS]> = (0..=SINES)
+            .map(|i| {
+                let s = i as f64 / SINES as f64;
+                std::array::from_fn(|d| Shape::Grey { depth: depths[d] }.deficit(s))
+            })
+            .collect();
+        let mut table = vec![[0.0; ELEVATIONS]; DEPTHS];
+        let mut side = [0.0; ELEVATIONS];
+        let mut fourth = [0.0; ELEVATIONS];
+        let mut shares = vec![0.0; SINES + 1];
+        for e in 0..ELEVATIONS {
+            // How the view is spread over the sine of elevation: alike for every sky.
+            shares.fill(0.0);
+            let (sin, cos) = (e as f64 - 90.0).to_radians().sin_cos();
+            for n in &nodes {
+                let sine = (n.along * sin + n.across * cos).min(1.0);
+                let place = sine * SINES as f64;
+                if place > 0.0 {
+                    let level = (1.0 - sine * sine).sqrt().max(1e-6);
+                    side[e] += n.weight * (n.along * cos - n.across * sin) / level / cos.max(0.01);
+                    let cell = (place as usize).min(SINES - 1);
+                    let part = n.weight * (place - cell as f64);
+                    shares[cell] += n.weight - part;
+                    shares[cell + 1] += part;
+                }
+            }
+            for (share, deficit) in shares.iter().zip(&deficits).filter(|(share, _)| **share > 0.0) {
+                for (row, d) in table.iter_mut().zip(deficit) {
+                    row[e] += share * d;
+                }
+                fourth[e] += share * (1.0 - (1.0 - deficit[MIDDLE] * RADIANCE_K / GROUND_K).powi(4));
+            }
+        }
+        let mut radiance = fourth.map(|f| (1.0 - (1.0 - f).sqrt().sqrt()) * GROUND_K / RADIANCE_K);
+        normalise(&mut radiance);
+        table.iter_mut().for_each(normalise);
+        // The depth that explains most of it.
+        let rest = table.windows(3).map(|like| unlike(radiance, [&like[0], &like[2]]));
+        let size = |v: &[f64; ELEVATIONS]| v.iter().map(|c| c * c).sum::<f64>();
+        let radiance = rest.min_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or([0.0; ELEVATIONS]);
+        Self { radiance, side, table }
+    }
+
+    /// The level with the axis at the elevation whose sine is `sine` under a sky of `ln_depth`;
+    /// both are kept inside the table. `radiance` 0: averaged in temperature, 1: in radiance at
+    /// [`RADIANCE_K`]. NaN gives NaN.
+    pub fn level(&self, sine: f64, ln_depth: f64, radiance: f64) -> Level {
+        let sine = sine.clamp(-1.0, 1.0);
+        let place = sine.asin().to_degrees() + 90.0;
+        let cell = (place as usize).min(ELEVATIONS - 2);
+        let x = place - cell as f64;
+        let depth = (ln_depth.clamp(LN_DEPTH.0, LN_DEPTH.1) - LN_DEPTH.0) / STEP;
+        let row = (depth as usize).min(DEPTHS - 2);
+        let y = depth - row as f64;
+        let weights = Spline::at(x);
+        let [low, high, other] = [&self.table[row], &self.table[row + 1], &self.radiance].map(|t| weights.of(t, cell));
+        let by_degree = low.1 + y * (high.1 - low.1) + radiance * other.1;
+        // A degree of elevation is this much of its sine; near the poles the slope is a little off.
+        let cosine = (1.0 - sine * sine).max(1e-4).sqrt();
+        Level {
+            value: low.0 + y * (high.0 - low.0) + radiance * other.0,
+            by_sine: by_degree.to_degrees() / cosine,
+            by_ln_depth: (high.0 - low.0) / STEP,
+            side: [weights.of(&self.side, cell).0, Spline::at(1.0 - x).of(&self.side, ELEVATIONS - 2 - cell).0],
+            by_radiance: other.0,
+        }
+    }
+}
+
+/// The contrast for which the table of averaging in radiance is made, and the ground's temperature, K.
+pub const RADIANCE_K: f64 = 40.0;
+const GROUND_K: f64 = 283.0;
+/// The depth for which it is made: about 0.3.
+const MIDDLE: usize = 11;
+
+const STEP: f64 = (LN_DEPTH.1 - LN_DEPTH.0) / (DEPTHS - 1) as f64;
+
+fn ln_depth(i: usize) -> f64 {
+    LN_DEPTH.0 + i as f64 * STEP
+}
+
+/// 0 at its beginning, 1 at its end, never falling.
+fn normalise(row: &mut [f64; ELEVATIONS]) {
+    let (down, up) = (row[0], row[ELEVATIONS - 1]);
+    let mut least = 0.0_f64;
+    for v in row {
+        least = least.max((*v - down) / (up - down));
+        *v = least;
+    }
+}
+
+/// What is left of `row` when an offset, and as much of the `like` rows as explains most, are taken off
+/// (Gram and Schmidt).
+fn unlike(row: [f64; ELEVATIONS], like: [&[f64; ELEVATIONS]; 2]) -> [f64; ELEVATIONS] {
+    let dot = |a: &[f64; ELEVATIONS], b: &[f64; ELEVATIONS]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let mut basis: Vec<[f64; ELEVATIONS]> = Vec::new();
+    let less = |mut v: [f64; ELEVATIONS], basis: &[[f64; ELEVATIONS]]| {
+        for b in basis {
+            let share = dot(&v, b);
+            v.iter_mut().zip(b).for_each(|(v, b)| *v -= share * b);
+        }
+        v
+    };
+    for v in [&[1.0; ELEVATIONS], like[0], like[1]] {
+        let v = less(*v, &basis);
+        let length = dot(&v, &v).sqrt();
+        if length > 1e-9 {
+            basis.push(v.map(|c| c / length));
+        }
+    }
+    less(row, &basis)
+}
+
+/// Weights of four neighbours for value and slope (Catmull-Rom); mirrored at the ends.
+struct Spline([[f64; 2]; 4]);
+
+impl Spline {
+    fn at(x: f64) -> Self {
+        let (x2, x3) = (x * x, x * x * x);
+        Self([
+            [-0.5 * x + x2 - 0.5 * x3, -0.5 + 2.0 * x - 1.5 * x2],
+            [1.0 - 2.5 * x2 + 1.5 * x3, -5.0 * x + 4.5 * x2],
+            [0.5 * x + 2.0 * x2 - 1.5 * x3, 0.5 + 4.0 * x - 4.5 * x2],
+            [-0.5 * x2 + 0.5 * x3, -x + 1.5 * x2],
+        ])
+    }
+
+    /// Value and slope, an entry, in `row` past `cell`.
+    fn of(&self, row: &[f64; ELEVATIONS], cell: usize) -> (f64, f64) {
+        let before = row[if cell == 0 { 1 } else { cell - 1 }];
+        let after = row[if cell + 2 == ELEVATIONS { ELEVATIONS - 2 } else { cell + 2 }];
+        let near = [before, row[cell], row[cell + 1], after];
+        let sum = |k: usize| self.0.iter().zip(near).map(|(w, v)| w[k] * v).sum();
+        (sum(0), sum(1))
+    }
+}
