@@ -1,97 +1,179 @@
-//! How much the world moves, learnt from the innovations: they are white when the filter is right.
+//! How much the world moves, learnt from the innovations.
 
+use super::model::Seen;
 use super::state::MAX_SENSORS;
 
-/// The bounds of a factor, and how fast it is learnt, 1/s.
-const WINDOW_S: f64 = 4.0;
+/// One number a sensor.
+pub type Pattern = [f64; MAX_SENSORS];
 
-/// Watches one group of innovations. Where they keep their sign the process noise is too small;
-/// where they change it too often, too large. The sensors' own noise has no part in it.
+/// Over this time innovations are compared, s.
+const WINDOW_S: f64 = 4.0;
+/// How long the doubt of the beginning lasts, s.
+const FIRST_S: f64 = 3.0;
+/// Over this time innovations are averaged to see what no state explains, s.
+const LEFT_S: f64 = 1.0;
+/// The largest scene, K.
+const LARGEST_K: f64 = 1.5;
+/// A misfit no larger than the first is noise; one of the second is a scene, K.
+const UNLIKE_K: (f64, f64) = (0.015, 0.04);
+
+/// Watches the innovations in one direction. Where they keep their sign the process noise is too small,
+/// where they change it too often too large; how large the sensors' own noise is has no part in it.
 #[derive(Clone, Debug)]
-pub struct Whiteness<const N: usize> {
+pub struct Whiteness {
     smooth_s: f64,
-    gain: (f64, f64),
+    learning: (f64, f64),
     bounds: (f64, f64),
-    smooth: [f64; N],
+    smooth: f64,
     slow: f64,
     all: f64,
-    /// What the process noise is multiplied with.
-    pub factor: f64,
+    factor: f64,
 }
 
-impl<const N: usize> Whiteness<N> {
-    /// With the time over which innovations are averaged, s, how fast the factor is learnt, 1/s, and
-    /// its bounds.
-    pub fn new(smooth_s: f64, gain: (f64, f64), bounds: (f64, f64), factor: f64) -> Self {
-        Self { smooth_s, gain, bounds, smooth: [0.0; N], slow: 0.0, all: 0.0, factor }
+impl Whiteness {
+    /// With the time over which innovations are averaged, s, how fast the factor goes up and down, 1/s,
+    /// and its bounds. It begins at 1.
+    pub fn new(smooth_s: f64, learning: (f64, f64), bounds: (f64, f64)) -> Self {
+        Self { smooth_s, learning, bounds, smooth: 0.0, slow: 0.0, all: 0.0, factor: 1.0 }
     }
 
-    /// Takes in a frame's innovations.
-    pub fn update(&mut self, innovations: &[f64; N], dt_s: f64) {
-        let a = (-dt_s / self.smooth_s).exp();
-        let w = -(-dt_s / WINDOW_S).exp_m1();
-        let (mut slow, mut all) = (0.0, 0.0);
-        for (s, v) in self.smooth.iter_mut().zip(innovations) {
-            *s = a * *s + (1.0 - a) * v;
-            slow += *s * *s;
-            all += v * v;
-        }
+    /// What the process noise's standard deviation is to be multiplied with.
+    pub fn factor(&self) -> f64 {
+        self.factor
+    }
+
+    /// Takes in an innovation, `dt_s` after the last.
+    pub fn update(&mut self, innovation: f64, dt_s: f64) {
+        let keep = (-dt_s / self.smooth_s).exp();
+        let share = -(-dt_s / WINDOW_S).exp_m1();
+        self.smooth = keep * self.smooth + (1.0 - keep) * innovation;
         // White: the average has this share of the power.
-        self.slow += w * (slow * (1.0 + a) / (1.0 - a) - self.slow);
-        self.all += w * (all - self.all);
+        let slow = self.smooth * self.smooth * (1.0 + keep) / (1.0 - keep);
+        self.slow += share * (slow - self.slow);
+        self.all += share * (innovation * innovation - self.all);
         if self.all > 0.0 && self.slow > 0.0 {
             let excess = (self.slow / self.all).ln().clamp(-1.0, 1.5);
-            let gain = if excess > 0.0 { self.gain.0 } else { self.gain.1 };
-            self.factor = (self.factor * (gain * excess * dt_s).exp()).clamp(self.bounds.0, self.bounds.1);
+            let learning = if excess > 0.0 { self.learning.0 } else { self.learning.1 };
+            let step = (learning * excess * dt_s).clamp(-1.0, 1.0);
+            self.factor = (self.factor * step.exp()).clamp(self.bounds.0, self.bounds.1);
         }
     }
 }
 
-/// Learns how strong the sensors' own scenes are from what the filter makes of them.
+/// Directions among the sensors' readings: what a turn, a contrast and a ground would change.
+#[derive(Clone, Copy, Debug)]
+pub struct Directions {
+    /// About the nose; about the left wing, less what the first explains.
+    pub turn: [Pattern; 2],
+    /// The length of each turn's pattern before it was made one, K/rad.
+    slope: [f64; 2],
+    /// The contrast, less what the turns explain.
+    pub contrast: Pattern,
+    /// The ground, less what all these explain; zero for pairs.
+    ground: Pattern,
+    /// How many sensors gave a reading.
+    count: usize,
+}
+
+impl Directions {
+    /// Of the sensors that gave a reading.
+    pub fn new(seen: &[Option<Seen>; MAX_SENSORS]) -> Self {
+        let pattern = |f: fn(&Seen) -> f64| -> Pattern { std::array::from_fn(|i| seen[i].as_ref().map_or(0.0, f)) };
+        let roll = pattern(|s| s.by_turn[0]);
+        let slope = dot(&roll, &roll).sqrt();
+        let roll = unit(roll);
+        let pitch = without(pattern(|s| s.by_turn[1]), &[roll]);
+        let slope = [slope, dot(&pitch, &pitch).sqrt()];
+        let pitch = unit(pitch);
+        let contrast = unit(without(pattern(|s| s.by_contrast), &[roll, pitch]));
+        let ground = unit(without(pattern(|s| s.by_ground), &[roll, pitch, contrast]));
+        Self { turn: [roll, pitch], slope, contrast, ground, count: seen.iter().flatten().count() }
+    }
+
+    /// The turn that a pattern looks like, rad; none where the sensors see no turn.
+    pub fn turned(&self, pattern: &Pattern) -> [f64; 2] {
+        std::array::from_fn(|k| if self.slope[k] > 1.0 { dot(pattern, &self.turn[k]) / self.slope[k] } else { 0.0 })
+    }
+
+    /// What of a pattern none of them explains, and in how many dimensions that is seen.
+    fn rest(&self, pattern: Pattern) -> (Pattern, usize) {
+        let known = [self.turn[0], self.turn[1], self.contrast, self.ground];
+        let dimensions = known.iter().filter(|k| dot(k, k) > 0.5).count();
+        (without(pattern, &known), self.count.saturating_sub(dimensions))
+    }
+}
+
+/// Learns how strong the sensors' own scenes are from what no attitude, ground or contrast explains.
 #[derive(Clone, Debug)]
 pub struct SceneStrength {
-    left: [f64; MAX_SENSORS],
-    /// Their variance, K².
-    pub variance: f64,
-    floor: f64,
-    /// The variance without its floor.
-    bare: f64,
+    least: f64,
+    learning_s: (f64, f64),
+    left: Pattern,
+    seen: f64,
+    first: f64,
 }
 
 impl SceneStrength {
-    /// Begins at `sigma`, K.
-    pub fn new(sigma: f64, floor: f64) -> Self {
-        Self { left: [0.0; MAX_SENSORS], variance: sigma * sigma, floor: floor * floor, bare: sigma * sigma }
+    /// Never less than `least_k`; learnt with time constants of `learning_s` up and down.
+    pub fn new(least_k: f64, learning_s: (f64, f64)) -> Self {
+        Self { least: least_k * least_k, learning_s, left: Pattern::default(), seen: 1e-4, first: 0.0 }
     }
 
-    /// Takes in each sensor's innovation and its scene, K; `rest` leaves of a pattern over the sensors
-    /// what nothing else explains, and says in how many dimensions.
-    pub fn update(
-        &mut self,
-        innovations: &[f64; MAX_SENSORS],
-        scenes: &[f64; MAX_SENSORS],
-        dt_s: f64,
-        time_s: (f64, f64),
-        rest: impl Fn(&mut [f64; MAX_SENSORS]) -> usize,
-    ) {
-        let w = -(-dt_s / 1.0).exp_m1();
+    /// Begins anew with scenes of `first_k`.
+    pub fn begin(&mut self, first_k: f64) {
+        self.first = first_k * first_k;
+        self.left = Pattern::default();
+    }
+
+    /// Takes in each sensor's innovation and what its scene is taken to add, K.
+    pub fn update(&mut self, innovations: &Pattern, scenes: &Pattern, directions: &Directions, dt_s: f64) {
+        let share = -(-dt_s / LEFT_S).exp_m1();
         for (left, innovation) in self.left.iter_mut().zip(innovations) {
-            *left += w * (innovation - *left);
+            *left += share * (innovation - *left);
         }
-        let mut pattern = std::array::from_fn(|i| self.left[i] + scenes[i]);
-        let dimensions = rest(&mut pattern);
+        let (rest, dimensions) = directions.rest(std::array::from_fn(|i| self.left[i] + scenes[i]));
         if dimensions > 0 {
-            let seen = pattern.iter().map(|v| v * v).sum::<f64>() / dimensions as f64;
-            let time_s = if seen > self.bare { time_s.0 } else { time_s.1 };
-            let w = -(-dt_s / time_s).exp_m1();
-            self.bare = (self.bare + w * (seen - self.bare)).min(9.0);
-            self.variance = self.bare.max(self.floor);
+            let seen = dot(&rest, &rest) / dimensions as f64;
+            let time_s = if seen > self.seen { self.learning_s.0 } else { self.learning_s.1 };
+            self.seen += -(-dt_s / time_s).exp_m1() * (seen - self.seen);
+            self.seen = self.seen.min(LARGEST_K * LARGEST_K);
         }
+        self.first *= (-dt_s / FIRST_S).exp();
+    }
+
+    /// The variance of a scene, K².
+    pub fn variance(&self) -> f64 {
+        self.seen.max(self.least).max(self.first)
     }
 
     /// How surely what is seen is no sky that is alike all around, 0..1.
     pub fn unlike(&self) -> f64 {
-        let x = ((self.bare.sqrt() - 0.015) / 0.025).clamp(0.0, 1.0);
+        let x = ((self.seen.sqrt() - UNLIKE_K.0) / (UNLIKE_K.1 - UNLIKE_K.0)).clamp(0.0, 1.0);
         x * x * (3.0 - 2.0 * x)
     }
+
+    /// What sensor `i` has lately shown beyond its prediction, K.
+    pub fn left_k(&self, i: usize) -> f64 {
+        self.left[i]
+    }
+}
+
+/// The scalar product of two patterns.
+pub fn dot(a: &Pattern, b: &Pattern) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Length 1, or zero where there is no length.
+fn unit(a: Pattern) -> Pattern {
+    let length = dot(&a, &a).sqrt();
+    if length > 1e-6 { a.map(|c| c / length) } else { Pattern::default() }
+}
+
+/// Less its shares along `known`, which are at right angles to each other.
+fn without(mut a: Pattern, known: &[Pattern]) -> Pattern {
+    for k in known {
+        let share = dot(&a, k);
+        a.iter_mut().zip(k).for_each(|(a, k)| *a -= share * k);
+    }
+    a
 }

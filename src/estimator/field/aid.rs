@@ -1,123 +1,138 @@
-//! Slow references: what coordinated turns and climb say of the attitude.
+//! Slow references: what coordinated turns, the climb and the course say.
+//!
+//! Each is taken as a measurement whose errors last, so that it weighs little at any moment; what it says
+//! beyond the thermopiles for long is an offset state of its own. None is needed.
 
 use super::state::{OFFSET, RATE, State, TURN};
-use super::tune::Tuning;
+use super::tuning::Tuning;
 use crate::estimator::vector::{Vector, cross};
 use crate::frame::Aiding;
 use crate::time::Time;
+use std::f64::consts::{PI, TAU};
 
 /// Standard gravity, m/s².
 const G: f64 = 9.806_65;
-/// Slower than this nothing flies, m/s.
-const FLYING_M_S: f64 = 6.0;
+/// Slower than this nothing flies; faster is no drone, m/s.
+const FLYING_M_S: std::ops::Range<f64> = 6.0..150.0;
 /// Speeds older than this are none, s.
 const AGE_S: f64 = 3.0;
+/// Courses this far apart tell how fast it turns, s.
+const SPAN_S: std::ops::Range<f64> = 0.8..2.5;
+/// A measurement farther from its prediction than this many standard deviations weighs less.
+const GATE: f64 = 3.0;
 
-/// The last of each.
+/// The last that was heard of each.
 #[derive(Clone, Debug, Default)]
 pub struct Aid {
     airspeed: Option<(f64, Time)>,
     ground_speed: Option<(f64, Time)>,
     course: Option<(f64, Time)>,
+    heading: Option<Time>,
     climb: Option<Time>,
-    headed: bool,
 }
 
 impl Aid {
-    /// Takes in what came with a frame.
+    /// Takes in what came with a frame `dt_s` after the last; `gyro` are the body rates in use.
     pub fn update(
         &mut self,
         aiding: &Aiding,
         state: &mut State,
         t: &Tuning,
-        now: Time,
-        dt_s: f64,
+        (now, dt_s): (Time, f64),
         gyro: Option<Vector>,
     ) {
         let keep = |held: &mut Option<(f64, Time)>, new: Option<f64>| {
-            if let Some(v) = new.filter(|v| (0.0..200.0).contains(v)) {
+            if let Some(v) = new.filter(|v| (0.0..FLYING_M_S.end).contains(v)) {
                 *held = Some((v, now));
             }
         };
         keep(&mut self.airspeed, aiding.airspeed_m_s);
         keep(&mut self.ground_speed, aiding.ground_speed_m_s);
-        let fresh = |held: Option<(f64, Time)>| held.filter(|(_, at)| now.since(*at) < AGE_S).map(|(v, _)| v);
-        let ground_speed = fresh(self.ground_speed).filter(|v| *v > FLYING_M_S);
-        let Some(speed) = fresh(self.airspeed).or(ground_speed).filter(|v| *v > FLYING_M_S) else { return };
-
-        let mut turning = None;
-        if let (Some(course), Some(ground_speed)) = (aiding.course_deg.filter(|c| c.is_finite()), ground_speed) {
-            self.heading(course.to_radians(), state, t);
-            if let Some((before, at)) = self.course {
-                let span = now.since(at);
-                let change = wrap((course - before).to_radians());
-                if span > 0.8 {
-                    if span < 2.5 && change.abs() < 1.5 {
-                        turning = Some((ground_speed * change / span / G, span));
-                    }
-                    self.course = Some((course, now));
-                }
-            } else {
-                self.course = Some((course, now));
-            }
-        }
-        let up = state.vertical();
-        let by_turn = |component: usize| -> Vector {
-            std::array::from_fn(|k| {
-                let mut axis = [0.0; 3];
-                axis[k] = 1.0;
-                cross(up, axis)[component]
-            })
+        let flying = |held: Option<(f64, Time)>| {
+            held.filter(|(v, at)| now.since(*at) < AGE_S && FLYING_M_S.contains(v)).map(|(v, _)| v)
         };
+        let ground_speed = flying(self.ground_speed);
+        let Some(speed) = flying(self.airspeed).or(ground_speed) else { return };
+        let course = aiding.course_deg.filter(|c| c.abs() <= 360.0).map(f64::to_radians);
+        let turning = course.zip(ground_speed).and_then(|(course, _)| {
+            self.heading(course, state, t, now);
+            self.turning(course, now)
+        });
         if let Some(gyro) = gyro {
             // Without sideslip the weight's part along the wing turns the path: V·r = g·u_left.
-            let [x, y, z] = by_turn(1);
-            let h = [(TURN, x), (TURN + 1, y), (TURN + 2, z), (OFFSET, up[2]), (RATE + 2, speed / G)];
-            let innovation = -speed * (gyro[2] + state.x[RATE + 2]) / G - up[1] - up[2] * state.x[OFFSET];
-            state.correct(&h, innovation, t.turn_sigma.powi(2) * (t.turn_time_s / dt_s).max(1.0));
-            state.settle();
-        } else if let Some((tangent, span)) = turning {
-            let [x, y, z] = by_turn(1);
-            let h = [(TURN, x), (TURN + 1, y), (TURN + 2, z), (OFFSET, up[2])];
-            let innovation = tangent.atan().sin() - up[1] - up[2] * state.x[OFFSET];
-            state.correct(&h, innovation, (2.0 * t.turn_sigma).powi(2) * (t.turn_time_s / span).max(1.0));
-            state.settle();
+            let bank = -speed * (gyro[2] + state.x[RATE + 2]) / G;
+            let variance = lasting(t.turn, dt_s);
+            measure(state, 1, (OFFSET, state.vertical()[2]), Some((RATE + 2, speed / G)), bank, variance);
+        } else if let Some((rate, span_s)) = turning {
+            let bank = (ground_speed.unwrap_or(speed) * rate / G).atan().sin();
+            // Half of the span old, and without the airframe's own motion.
+            let variance = lasting((2.0 * t.turn.0, t.turn.1), span_s);
+            measure(state, 1, (OFFSET, state.vertical()[2]), None, bank, variance);
         }
         if let Some(climb) = aiding.climb_m_s.filter(|c| c.abs() < speed) {
-            let span = self.climb.map_or(t.climb_time_s, |at| now.since(at));
+            let span_s = self.climb.map_or(t.climb.1, |at| now.since(at));
             self.climb = Some(now);
-            let [x, y, z] = by_turn(0);
-            let h = [(TURN, x), (TURN + 1, y), (TURN + 2, z), (OFFSET + 1, 1.0)];
-            let innovation = climb / speed - state.vertical()[0] - state.x[OFFSET + 1];
-            state.correct(&h, innovation, t.climb_sigma.powi(2) * (t.climb_time_s / span.max(1e-3)).max(1.0));
-            state.settle();
+            measure(state, 0, (OFFSET + 1, 1.0), None, climb / speed, lasting(t.climb, span_s));
         }
     }
 
-    /// The nose looks, on the average, along the course.
-    fn heading(&mut self, course: f64, state: &mut State, t: &Tuning) {
+    /// How fast the course turns, rad/s, and over which time that was seen, s.
+    fn turning(&mut self, course: f64, now: Time) -> Option<(f64, f64)> {
+        let (before, at) = *self.course.get_or_insert((course, now));
+        let span_s = now.since(at);
+        if (0.0..SPAN_S.start).contains(&span_s) {
+            return None;
+        }
+        self.course = Some((course, now));
+        let change = wrap(course - before);
+        (SPAN_S.contains(&span_s) && change.abs() < PI / 2.0).then(|| (change / span_s, span_s))
+    }
+
+    /// On the average the nose looks along the course; wind puts it beside.
+    fn heading(&mut self, course: f64, state: &mut State, t: &Tuning, now: Time) {
         let [north, west, up] = state.axes;
         if up[0].abs() > 0.8 {
             return;
         }
         let error = wrap(course - (-west[0]).atan2(north[0]));
-        if !self.headed {
-            // Clockwise from above is about down.
-            state.rotate(up.map(|c| -c * error));
-            for i in 0..3 {
-                state.add_variance(TURN + i, 0.0);
+        // Clockwise from above is about down.
+        match self.heading.replace(now) {
+            None => state.rotate(up.map(|c| -c * error)),
+            Some(at) => {
+                let h = [(TURN, -up[0]), (TURN + 1, -up[1]), (TURN + 2, -up[2])];
+                state.correct(&h, error, lasting(t.heading, now.since(at)));
+                state.settle();
             }
-            self.headed = true;
-            return;
         }
-        let h = [(TURN, -up[0]), (TURN + 1, -up[1]), (TURN + 2, -up[2])];
-        state.correct(&h, error, t.heading_sigma.powi(2) * 200.0);
-        state.settle();
     }
 }
 
-/// Into (−π, π].
+/// A measurement of one component of the vertical, with an offset state and perhaps another.
+fn measure(
+    state: &mut State,
+    component: usize,
+    offset: (usize, f64),
+    other: Option<(usize, f64)>,
+    measured: f64,
+    variance: f64,
+) {
+    let up = state.vertical();
+    let by_turn = |k: usize| cross(up, std::array::from_fn(|i| f64::from(u8::from(i == k))))[component];
+    let other = other.unwrap_or((RATE, 0.0));
+    let h = [(TURN, by_turn(0)), (TURN + 1, by_turn(1)), (TURN + 2, by_turn(2)), offset, other];
+    let innovation = measured - up[component] - offset.1 * state.x[offset.0];
+    let excess = innovation * innovation / (GATE * GATE) - state.variance_of(&h);
+    state.correct(&h, innovation, variance.max(excess));
+    state.settle();
+}
+
+/// The variance of a measurement that comes every `dt_s` with errors that last.
+fn lasting((sigma, time_s): (f64, f64), dt_s: f64) -> f64 {
+    sigma * sigma * (2.0 * time_s / dt_s.max(1e-3)).max(1.0)
+}
+
+/// Into −π..π.
 fn wrap(angle: f64) -> f64 {
-    let a = angle.rem_euclid(std::f64::consts::TAU);
-    if a > std::f64::consts::PI { a - std::f64::consts::TAU } else { a }
+    let a = angle.rem_euclid(TAU);
+    if a > PI { a - TAU } else { a }
 }

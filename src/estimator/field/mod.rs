@@ -1,278 +1,260 @@
-//! Six temperatures, one field: attitude, ground, contrast and the sky's shape estimated together.
+//! Every sensor by itself: attitude, ground, contrast and the sky's shape estimated together.
 //!
-//! An extended Kalman filter whose work is the same for every frame.
+//! An extended Kalman filter on the turn of the body, with the sky, the sensors' lag and what each sees
+//! of a scene of its own among its states. The work is the same for every frame; nothing iterates but
+//! the start, and that is bounded.
+//!
+//! - `state`: the states and their covariance; `tuning`: what the world is taken to be like;
+//! - `model`: what a sensor should show; `start`: where the filter begins;
+//! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves;
+//! - `gyro`: body rates, and when to believe them; `aid`: the slow references;
+//! - `output`: angles, standard deviations, the underestimation guard.
 
 mod adapt;
 mod aid;
-pub mod model;
+mod correct;
+mod gyro;
+mod model;
+mod output;
 mod predict;
 mod start;
 mod state;
-pub mod tune;
+mod tuning;
 
-use super::vector::{Vector, cross};
+pub use state::MAX_SENSORS;
+pub use tuning::Tuning;
+
 use super::{Estimator, Solution};
-use crate::attitude::Attitude;
 use crate::frame::Frame;
 use crate::head::Head;
 use crate::sky::FieldOfView;
 use crate::time::Time;
 use adapt::{SceneStrength, Whiteness};
 use aid::Aid;
+use correct::Misfit;
+use gyro::Gyro;
 use model::Model;
-use predict::Pace;
-use state::{CONTRAST, DEPTH, GROUND, LAG, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SIDE, State, TURN};
-use tune::Tuning;
+use output::{attitude, guard};
+use predict::{Pace, predict};
+use start::start;
+use state::{CONTRAST, DEPTH, GROUND, LAG, OFFSET, RADIANCE, RATE, SEEN, SIDE, State, TURN};
 
 /// A frame later than this after the last begins anew, s.
 const GAP_S: f64 = 2.0;
-/// A gyro's sample older than this is none, s.
-const GYRO_AGE_S: f64 = 0.25;
+/// Without enough sensors the attitude is carried so long, s: by a motion model, by a gyro.
+const CARRIED_S: (f64, f64) = (0.1, 1.0);
+/// A level pair's slope, as a share of the contrast for a radian.
+const PAIR_SLOPE: f64 = 1.1;
 
-/// The estimator.
+/// The estimator of method `field`. For absolute sensors, five at least; pairs' channels are taken as
+/// they come, three at least.
 #[derive(Clone, Debug)]
 pub struct FieldEstimator {
     model: Model,
     tuning: Tuning,
-    needed: usize,
     state: State,
-    last: Option<Time>,
+    /// The last frame, and the last with enough readings.
+    last: Option<(Time, Time)>,
     stamps: [Option<Time>; MAX_SENSORS],
-    gyro: Option<(Vector, Time)>,
-    gyro_mode: bool,
+    gyro: Gyro,
     aid: Aid,
-    roll: Whiteness<1>,
-    pitch: Whiteness<1>,
-    contrast: Whiteness<1>,
+    /// Body rates about the nose, and across it.
+    rates: [Whiteness; 2],
+    contrast: Whiteness,
     scene: SceneStrength,
+    misfit: Misfit,
+    /// The scene has been found to be unlike a sky that is alike all around.
+    unlike: bool,
 }
 
 impl FieldEstimator {
-    /// For `head`.
+    /// For `head`, of which the first [`MAX_SENSORS`] are used, with the field of view of each. Makes its
+    /// tables in a few milliseconds; nothing is allocated after that.
     pub fn new(head: &Head, field: FieldOfView, tuning: Tuning) -> Self {
         let model = Model::new(head, field);
-        let state = State::new(model.len());
-        let needed = if model.is_absolute() { 5 } else { 3 };
+        let rate = || Whiteness::new(0.1, (tuning.rate_learning, tuning.rate_learning), (0.1, 8.0));
         Self {
+            state: State::new(model.sensors()),
             model,
             tuning,
-            needed,
-            state,
             last: None,
             stamps: [None; MAX_SENSORS],
-            gyro: None,
-            gyro_mode: false,
+            gyro: Gyro::default(),
             aid: Aid::default(),
-            roll: Whiteness::new(0.1, (tuning.adapt, tuning.adapt), (0.1, 8.0), 1.0),
-            pitch: Whiteness::new(0.1, (tuning.adapt, tuning.adapt), (0.1, 8.0), 1.0),
-            contrast: Whiteness::new(0.15, (tuning.adapt_contrast, 0.5), (1.0, 200.0), 1.0),
-            scene: SceneStrength::new(tuning.scene_start, tuning.scene_sigma),
+            rates: [rate(), rate()],
+            contrast: Whiteness::new(0.15, (tuning.contrast.1, 0.5), (1.0, 200.0)),
+            scene: SceneStrength::new(tuning.scene.1, tuning.scene_learning_s),
+            misfit: Misfit::default(),
+            unlike: false,
         }
     }
 
     /// How strong the sensors' own scenes are taken to be, K.
     pub fn scene_k(&self) -> f64 {
-        self.scene.variance.sqrt()
+        self.scene.variance().sqrt()
     }
 
-    fn begin(&mut self, readings: &[Option<f64>; MAX_SENSORS]) -> bool {
-        let Some(start) = start::start(&self.model, readings, self.needed, self.tuning.depth) else { return false };
+    /// How many readings a frame needs.
+    fn needed(&self) -> usize {
+        if self.model.is_absolute() { 5 } else { 3 }
+    }
+
+    /// The readings of `frame` that are newer than the last of their sensor, and the newest stamp.
+    fn readings(&mut self, frame: &Frame) -> ([Option<f64>; MAX_SENSORS], Option<Time>) {
+        // A clock that has been set back begins anew.
+        let restart = |last: Time| frame.sample_time().is_some_and(|now| now.since(last) < -GAP_S);
+        if self.last.is_some_and(|(last, _)| restart(last)) {
+            (self.last, self.stamps) = (None, [None; MAX_SENSORS]);
+        }
+        let mut newest = None;
+        let readings = std::array::from_fn(|i| {
+            let (value, time) = self.model.reading(i, frame)?;
+            if self.stamps[i].is_some_and(|stamp| time <= stamp) {
+                return None;
+            }
+            self.stamps[i] = Some(time);
+            newest = newest.max(Some(time));
+            Some(value)
+        });
+        (readings, newest)
+    }
+
+    /// Begins with what one frame says; `false` where that is not enough.
+    fn begin(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) -> bool {
         let t = self.tuning;
-        self.state = State::new(self.model.len());
+        let Some(start) = start(&self.model, readings, self.needed(), &t) else {
+            return false;
+        };
+        self.last = Some((now, now));
+        self.aid = Aid::default();
+        self.misfit = Misfit::default();
+        self.scene.begin(t.scene.0 * (start.scene.contrast_k.abs() / 35.0).min(1.0));
+        self.state = State::new(self.model.sensors());
         let s = &mut self.state;
         s.axes = start.axes;
         s.x[GROUND] = start.scene.ground_c;
         s.x[CONTRAST] = start.scene.contrast_k;
-        s.x[RADIANCE] = t.radiance.0;
         s.x[DEPTH] = start.scene.ln_depth;
-        let variances = [
-            (TURN, 0.01),
-            (TURN + 1, 0.01),
-            (TURN + 2, 0.01),
-            (GROUND, 4.0),
-            (CONTRAST, (0.15 * start.scene.contrast_k).powi(2) + 1.0),
-            (DEPTH, t.depth.1.powi(2)),
-            (RADIANCE, t.radiance.1.powi(2)),
-            (OFFSET, t.offset_sigma.powi(2)),
-            (OFFSET + 1, t.offset_sigma.powi(2)),
+        s.x[RADIANCE] = t.radiance.0;
+        let sigmas = [
+            (TURN, 0.1),
+            (TURN + 1, 0.1),
+            (TURN + 2, 0.1),
+            (GROUND, 2.0),
+            (CONTRAST, (0.15 * start.scene.contrast_k).hypot(1.0)),
+            (DEPTH, t.depth.1),
+            (RADIANCE, t.radiance.1),
+            (OFFSET, t.offset.0),
+            (OFFSET + 1, t.offset.0),
         ];
-        for (i, v) in variances {
-            s.set_variance(i, v);
+        for (i, sigma) in sigmas {
+            s.set_variance(i, sigma * sigma);
         }
-        for i in 0..self.model.len() {
-            let seen = self.model.seen(i, &s.axes, &start.scene).value;
-            s.x[SEEN + i] = readings[i].unwrap_or(seen);
+        for (i, reading) in readings.iter().enumerate().take(self.model.sensors()) {
+            let plain = self.model.seen(i, &s.axes, &start.scene).value;
+            s.plain[i] = plain;
+            s.x[SEEN + i] = reading.unwrap_or(plain);
             s.set_variance(SEEN + i, 1.0);
-            let scene = s.scene(i);
-            s.set_variance(scene, self.scene.variance);
+            s.set_variance(s.scene(i), self.scene.variance());
         }
         self.set_rates();
         true
     }
 
-    /// Learns from the innovations, tilt apart from the rest.
-    fn adapt(&mut self, readings: &[Option<f64>; MAX_SENSORS], dt_s: f64) {
-        let n = self.model.len();
-        let scene = predict::scene(&self.state);
-        let mut v = [0.0; MAX_SENSORS];
-        let mut by = [0.0; MAX_SENSORS];
-        let mut there = [0.0; MAX_SENSORS];
-        let mut sky = [0.0; MAX_SENSORS];
-        let (mut roll, mut pitch) = ([0.0; MAX_SENSORS], [0.0; MAX_SENSORS]);
-        for i in 0..n {
-            let Some(r) = readings[i] else { continue };
-            v[i] = r - self.state.x[SEEN + i];
-            let seen = self.model.seen(i, &self.state.axes, &scene);
-            let [x, y, _] = seen.by_turn;
-            by[i] = seen.by_contrast;
-            there[i] = 1.0;
-            sky[i] = seen.sky;
-            (roll[i], pitch[i]) = (x, y);
-        }
-        let dot = |a: &[f64; MAX_SENSORS], b: &[f64; MAX_SENSORS]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-        let normed = |a: &mut [f64; MAX_SENSORS]| {
-            let l = dot(a, a).sqrt().max(1e-6);
-            a.iter_mut().for_each(|c| *c /= l);
-        };
-        normed(&mut roll);
-        let shared = dot(&roll, &pitch);
-        pitch.iter_mut().zip(&roll).for_each(|(p, r)| *p -= shared * r);
-        normed(&mut pitch);
-        let (a, b) = (dot(&v, &roll), dot(&v, &pitch));
-        if self.gyro_mode {
-        } else {
-            self.roll.update(&[a], dt_s);
-            self.pitch.update(&[b], dt_s);
-        }
-        let shared = [dot(&by, &roll), dot(&by, &pitch)];
-        by.iter_mut().enumerate().for_each(|(i, c)| *c -= shared[0] * roll[i] + shared[1] * pitch[i]);
-        normed(&mut by);
-        self.contrast.update(&[dot(&v, &by)], dt_s);
-        if self.tuning.adapt_scene > 0.0 {
-            let mut even = there;
-            for known in [&roll, &pitch, &by] {
-                let share = dot(&even, known);
-                even.iter_mut().zip(known).for_each(|(e, k)| *e -= share * k);
-            }
-            normed(&mut even);
-            let count = there.iter().sum::<f64>() as usize;
-            let scenes = std::array::from_fn(|i| if i < n { sky[i] * self.state.x[self.state.scene(i)] } else { 0.0 });
-            self.scene.update(&v, &scenes, dt_s, (self.tuning.attack_scene, self.tuning.adapt_scene), |pattern| {
-                for known in [&roll, &pitch, &by, &even] {
-                    let share = dot(pattern, known);
-                    pattern.iter_mut().zip(known).for_each(|(e, k)| *e -= share * k);
-                }
-                count.saturating_sub(4)
-            });
-        }
-    }
-
+    /// Rates without a gyro, or a gyro's bias: both begin at zero. What only a gyro can tell goes with it.
     fn set_rates(&mut self) {
-        let t = &self.tuning;
+        let (t, s, gyro) = (&self.tuning, &mut self.state, self.gyro.in_use());
         for i in 0..3 {
-            self.state.x[RATE + i] = 0.0;
-            let sigma = if self.gyro_mode { t.bias_sigma } else { t.rate_sigma[i] };
-            self.state.set_variance(RATE + i, sigma * sigma);
+            s.x[RATE + i] = 0.0;
+            s.set_variance(RATE + i, (if gyro { t.bias.0 } else { t.rate_sigma[i] }).powi(2));
         }
-        for i in 0..4 {
-            self.state.x[SIDE + i] = 0.0;
-            let sigma = if i < 2 { t.side_sigma } else { t.ground_side_sigma };
-            self.state.set_variance(SIDE + i, (if self.gyro_mode { sigma } else { t.blind_side }).powi(2));
+        for i in SIDE..SIDE + 4 {
+            s.x[i] = 0.0;
+            s.set_variance(i, if gyro { t.side.0.powi(2) } else { 0.0 });
         }
-        self.state.set_variance(LAG, if self.gyro_mode { t.lag_sigma.powi(2) } else { 0.0 });
+        s.x[LAG] = 0.0;
+        s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });
     }
 
-    fn attitude(&self) -> (Attitude, Attitude) {
-        let u = self.state.vertical();
-        let attitude = Attitude { roll: u[1].atan2(u[2]), pitch: u[0].clamp(-1.0, 1.0).asin() };
-        let flat = (u[1] * u[1] + u[2] * u[2]).max(1e-4);
-        let mut roll = [0.0; 3];
-        let mut pitch = [0.0; 3];
-        for k in 0..3 {
-            let mut axis = [0.0; 3];
-            axis[k] = 1.0;
-            let du = cross(u, axis);
-            roll[k] = (u[2] * du[1] - u[1] * du[2]) / flat;
-            pitch[k] = du[0] / flat.sqrt();
-        }
-        let sigma = |g: [f64; 3]| {
-            let mut v = 0.0;
+    /// What was learnt while the scene was thought to be alike all around is in doubt once it is not.
+    fn doubt(&mut self) {
+        let unlike = self.scene.unlike();
+        if unlike < 0.1 {
+            self.unlike = false;
+        } else if unlike > 0.5 && !self.unlike {
+            self.unlike = true;
+            let s = &mut self.state;
+            let gyro = if self.gyro.in_use() { 1.0 } else { 0.0 };
             for i in 0..3 {
-                for j in 0..3 {
-                    v += g[i] * g[j] * self.state.p[TURN + i][TURN + j];
-                }
+                s.add_variance(TURN + i, 1_f64.to_radians().powi(2));
+                s.add_variance(RATE + i, gyro * 0.1_f64.to_radians().powi(2));
             }
-            v.max(0.0).sqrt()
-        };
-        (attitude, Attitude { roll: sigma(roll), pitch: sigma(pitch) })
+            s.add_variance(DEPTH, 0.1);
+            s.add_variance(RADIANCE, 0.1);
+            (SIDE..SIDE + 4).for_each(|i| s.add_variance(i, gyro));
+            for i in 0..self.model.sensors() {
+                s.add_variance(s.scene(i), self.scene.variance());
+            }
+        }
+    }
+
+    fn solution(&self) -> Solution {
+        let (mut attitude, mut sigma) = attitude(&self.state);
+        let contrast_k = self.state.x[CONTRAST];
+        if !self.gyro.in_use() {
+            // Without a gyro a warm side looks like an attitude; that there is one shows elsewhere.
+            let doubt = self.scene.unlike() * self.tuning.unlike_side_k / (PAIR_SLOPE * contrast_k.abs().max(1.0));
+            sigma.roll = sigma.roll.hypot(doubt / attitude.pitch.cos().max(0.2));
+            sigma.pitch = sigma.pitch.hypot(doubt);
+        }
+        let poor = self.misfit.excess();
+        (sigma.roll, sigma.pitch) = (poor * sigma.roll, poor * sigma.pitch);
+        attitude.roll = guard(attitude.roll, sigma.roll, std::f64::consts::PI);
+        attitude.pitch = guard(attitude.pitch, sigma.pitch, std::f64::consts::FRAC_PI_2);
+        Solution { attitude: Some(attitude), sigma, contrast_k: Some(contrast_k), seen_k: Some([0.0, 0.0, contrast_k]) }
     }
 }
 
 impl Estimator for FieldEstimator {
     fn update(&mut self, frame: &Frame) -> Solution {
-        let mut readings = [None; MAX_SENSORS];
-        let mut newest: Option<Time> = None;
-        for i in 0..self.model.len() {
-            if let Some((value, time)) = self.model.reading(i, frame)
-                && self.stamps[i].is_none_or(|s| time > s)
-            {
-                readings[i] = Some(value);
-                self.stamps[i] = Some(time);
-                newest = newest.max(Some(time));
-            }
-        }
-        let Some(now) = newest else { return Solution::default() };
-        let mut gyro = None;
-        let dt_s = self.last.map_or(f64::INFINITY, |l| now.since(l));
-        if let [Some(p), Some(q), Some(r)] = frame.aiding.gyro_deg_s {
-            let rates = [p.to_radians(), -q.to_radians(), -r.to_radians()];
-            let mean = self.gyro.map_or(rates, |(g, _)| std::array::from_fn(|i| 0.5 * (g[i] + rates[i])));
-            self.gyro = Some((rates, now));
-            if dt_s < GYRO_AGE_S {
-                gyro = Some(mean);
-            }
-        } else if let Some((rates, time)) = self.gyro
-            && now.since(time) < GYRO_AGE_S
-        {
-            gyro = Some(rates);
-        }
-        if gyro.is_some() != self.gyro_mode {
-            self.gyro_mode = gyro.is_some();
+        let (readings, Some(now)) = self.readings(frame) else { return Solution::default() };
+        let dt_s = self.last.map_or(f64::INFINITY, |(last, _)| now.since(last));
+        if self.gyro.update(&frame.aiding, now, dt_s) {
             self.set_rates();
         }
-        if dt_s > GAP_S || dt_s < 0.0 || !self.state.is_sound() {
-            self.last = None;
-            if !self.begin(&readings) {
-                return Solution::default();
+        let lost = self.misfit.is_lost(self.state.x[CONTRAST], self.gyro.in_use());
+        if lost {
+            self.gyro.distrust();
+        }
+        if lost || !(0.0..GAP_S).contains(&dt_s) || !self.state.is_sound() {
+            let begun = self.begin(&readings, now);
+            if !begun {
+                self.last = None;
             }
-        } else {
+            return if begun { self.solution() } else { Solution::default() };
+        }
+        let enough = readings.iter().flatten().count() >= self.needed();
+        let (_, full) = self.last.unwrap_or((now, now));
+        let full = if enough { now } else { full };
+        self.last = Some((now, full));
+        if dt_s > 0.0 {
+            let across = self.rates[1].factor();
             let pace = Pace {
-                rate: [self.roll.factor, self.pitch.factor, self.pitch.factor],
-                contrast: self.contrast.factor,
-                scene: self.scene.variance.sqrt(),
+                rate: [self.rates[0].factor(), across, across],
+                contrast: self.contrast.factor(),
+                scene_k2: self.scene.variance(),
                 unlike: self.scene.unlike(),
             };
-            predict::predict(&mut self.state, &self.model, &self.tuning, dt_s, gyro, &pace);
-            self.adapt(&readings, dt_s);
+            predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
+            self.learn(&readings, dt_s);
+            self.doubt();
         }
-        self.last = Some(now);
-        let noise = self.tuning.noise_k.powi(2);
-        for (i, reading) in readings.iter().enumerate().take(self.model.len()) {
-            let Some(r) = reading else { continue };
-            let innovation = r - self.state.x[SEEN + i];
-            self.state.correct_one(SEEN + i, innovation, noise);
-        }
-        self.state.settle();
-        if dt_s < GAP_S {
-            self.aid.update(&frame.aiding, &mut self.state, &self.tuning, now, dt_s, gyro);
-        }
-        let (attitude, mut sigma) = self.attitude();
-        if !self.gyro_mode {
-            let doubt = self.scene.unlike() * self.tuning.doubt_k / (1.1 * self.state.x[CONTRAST].abs().max(1.0));
-            sigma.roll = sigma.roll.hypot(doubt / attitude.pitch.cos().max(0.2));
-            sigma.pitch = sigma.pitch.hypot(doubt);
-        }
-        let contrast = self.state.x[CONTRAST];
-        Solution { attitude: Some(attitude), sigma, contrast_k: Some(contrast), seen_k: Some([0.0, 0.0, contrast]) }
+        self.correct(&readings, dt_s);
+        self.aid.update(&frame.aiding, &mut self.state, &self.tuning, (now, dt_s), self.gyro.rates());
+        let carried_s = if self.gyro.in_use() { CARRIED_S.1 } else { CARRIED_S.0 };
+        if now.since(full) > carried_s { Solution::default() } else { self.solution() }
     }
 }
+
+#[cfg(test)]
+mod tests;

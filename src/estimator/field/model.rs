@@ -67,7 +67,7 @@ impl Model {
     }
 
     /// How many sensors.
-    pub fn len(&self) -> usize {
+    pub fn sensors(&self) -> usize {
         self.channels.len()
     }
 

@@ -2,6 +2,7 @@
 
 use super::model::{Model, Scene};
 use super::state::MAX_SENSORS;
+use super::tuning::Tuning;
 use crate::estimator::vector::{Vector, cross, dot, length, product, rotation, unit};
 
 /// Steps of each descent.
@@ -25,8 +26,10 @@ pub struct Start {
 /// The best fit to `readings` (missing ones are `None`) from a few first guesses, by damped least
 /// squares of bounded length; `None` with fewer than `needed` readings. Upright where both ways
 /// round fit.
-pub fn start(model: &Model, readings: &[Option<f64>; MAX_SENSORS], needed: usize, depth: (f64, f64)) -> Option<Start> {
-    let there = || (0..model.len()).filter_map(|i| readings[i].map(|r| (i, r)));
+pub fn start(model: &Model, readings: &[Option<f64>; MAX_SENSORS], needed: usize, tuning: &Tuning) -> Option<Start> {
+    let depth = (tuning.depth.0, tuning.depth.1);
+    let radiance = tuning.radiance.0;
+    let there = || (0..model.sensors()).filter_map(|i| readings[i].map(|r| (i, r)));
     if there().count() < needed {
         return None;
     }
@@ -47,7 +50,7 @@ pub fn start(model: &Model, readings: &[Option<f64>; MAX_SENSORS], needed: usize
     // Upside down, or the ground colder than the sky: the first cannot be at a start.
     let (up, sign) = if cold[2] < 0.0 { (cold.map(|c| -c), -1.0) } else { (cold, 1.0) };
     let ground_c = if absolute { mean + 0.4 * sign * contrast_k } else { 0.0 };
-    let scene = Scene { ground_c, contrast_k: sign * contrast_k, ln_depth: depth.0, radiance: 0.5, side_k: [0.0; 4] };
+    let scene = Scene { ground_c, contrast_k: sign * contrast_k, ln_depth: depth.0, radiance, side_k: [0.0; 4] };
     let level = unit([0.3 * up[0], 0.3 * up[1], 1.0]).unwrap_or(up);
     [up, level, [0.0, 0.0, 1.0]]
         .into_iter()
@@ -79,8 +82,8 @@ fn descend(model: &Model, readings: &[Option<f64>; MAX_SENSORS], from: Start, de
                 }
             }
         };
-        for i in 0..model.len() {
-            let Some(reading) = readings[i] else { continue };
+        for (i, reading) in readings.iter().enumerate().take(model.sensors()) {
+            let Some(reading) = reading else { continue };
             let s = model.seen(i, &best.axes, &best.scene);
             let [x, y, z] = s.by_turn;
             take([x, y, z, s.by_ground, s.by_contrast, s.by_depth], reading - s.value, DOUBT_K.powi(-2));
@@ -110,7 +113,7 @@ fn descend(model: &Model, readings: &[Option<f64>; MAX_SENSORS], from: Start, de
 fn misfit(model: &Model, readings: &[Option<f64>; MAX_SENSORS], at: &Start, depth: (f64, f64)) -> f64 {
     let doubt = ((at.scene.ln_depth - depth.0) / depth.1 * DOUBT_K).powi(2);
     let of = |i: usize| readings[i].map_or(0.0, |r| (r - model.seen(i, &at.axes, &at.scene).value).powi(2));
-    (doubt + (0..model.len()).map(of).sum::<f64>()) / model.len() as f64
+    (doubt + (0..model.sensors()).map(of).sum::<f64>()) / model.sensors() as f64
 }
 
 /// Gaussian elimination with pivots; `None` where the matrix is singular.

@@ -29,13 +29,15 @@ pub const SEEN: usize = 17;
 /// The most states.
 pub const MAX: usize = SEEN + 2 * MAX_SENSORS;
 
-/// Values and covariance. States beyond [`State::len`] are not used.
+/// Values and covariance. States beyond [`State::size`] are not used.
 #[derive(Clone, Debug)]
 pub struct State {
     /// The level axes north, west, up, on the body's axes: rows.
     pub axes: [Vector; 3],
     /// All values; the turn's three are zero between updates.
     pub x: [f64; MAX],
+    /// What each sensor would show without a scene of its own: of the attitude and the sky alone.
+    pub plain: [f64; MAX_SENSORS],
     /// Covariance.
     pub p: [[f64; MAX]; MAX],
     sensors: usize,
@@ -47,13 +49,14 @@ impl State {
         Self {
             axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             x: [0.0; MAX],
+            plain: [0.0; MAX_SENSORS],
             p: [[0.0; MAX]; MAX],
             sensors: sensors.min(MAX_SENSORS),
         }
     }
 
     /// How many states there are.
-    pub fn len(&self) -> usize {
+    pub fn size(&self) -> usize {
         SEEN + 2 * self.sensors
     }
 
@@ -69,7 +72,7 @@ impl State {
 
     /// Makes state `i` independent of all others, with this variance.
     pub fn set_variance(&mut self, i: usize, variance: f64) {
-        for j in 0..self.len() {
+        for j in 0..self.size() {
             self.p[i][j] = 0.0;
             self.p[j][i] = 0.0;
         }
@@ -83,13 +86,18 @@ impl State {
 
     /// Takes in a measurement `h·x + noise` that differs from its prediction by `innovation`.
     pub fn correct(&mut self, h: &[(usize, f64)], innovation: f64, variance: f64) {
-        let n = self.len();
+        let n = self.size();
         let mut ph = [0.0; MAX];
         for (i, v) in ph[..n].iter_mut().enumerate() {
             *v = h.iter().map(|(k, c)| self.p[i][*k] * c).sum();
         }
         let s = h.iter().map(|(k, c)| ph[*k] * c).sum::<f64>() + variance;
         self.gain(&ph, s, innovation);
+    }
+
+    /// The variance of `h·x`.
+    pub fn variance_of(&self, h: &[(usize, f64)]) -> f64 {
+        h.iter().map(|(i, a)| a * h.iter().map(|(j, b)| b * self.p[*i][*j]).sum::<f64>()).sum()
     }
 
     /// Takes in a measurement of state `i` itself.
@@ -99,7 +107,7 @@ impl State {
     }
 
     fn gain(&mut self, ph: &[f64; MAX], s: f64, innovation: f64) {
-        let n = self.len();
+        let n = self.size();
         let inverse = 1.0 / s;
         for i in 0..n {
             let k = ph[i] * inverse;
@@ -131,7 +139,7 @@ impl State {
 
     /// Whether every number is one, and every variance is none below zero.
     pub fn is_sound(&self) -> bool {
-        let n = self.len();
+        let n = self.size();
         self.x[..n].iter().all(|v| v.is_finite())
             && (0..n).all(|i| self.p[i][i] >= 0.0 && self.p[i][..n].iter().all(|v| v.is_finite()))
     }

@@ -1,0 +1,104 @@
+//! What the readings say, and how well they fit.
+
+use super::FieldEstimator;
+use super::adapt::{Directions, Pattern, dot};
+use super::predict::scene;
+use super::state::{MAX_SENSORS, SEEN};
+
+/// A reading farther from its prediction than this many standard deviations weighs less.
+const GATE: f64 = 6.0;
+/// Over this time the misfit is averaged, s.
+const MISFIT_S: f64 = 0.5;
+/// So many times the expected misfit and the filter is lost; with a gyro, that is what is wrong.
+const LOST: f64 = 400.0;
+const GYRO_WRONG: f64 = 5.0;
+/// Over this time the attitude is compared with what the thermopiles alone say, s.
+const APART_S: f64 = 0.7;
+/// An attitude farther from them is wrong: rad (8°), or K where the contrast is low.
+const APART: (f64, f64) = (0.14, 4.0);
+
+/// How well the readings fit.
+#[derive(Clone, Copy, Debug)]
+pub struct Misfit {
+    /// The innovations' squares over their variances, averaged: 1 where all is as it should be.
+    squared: f64,
+    /// How far the thermopiles alone put the attitude from the filter's, averaged, rad.
+    apart: [f64; 2],
+}
+
+impl Default for Misfit {
+    fn default() -> Self {
+        Self { squared: 1.0, apart: [0.0; 2] }
+    }
+}
+
+impl Misfit {
+    /// What the standard deviations are to be multiplied with: 1 unless the readings fit badly.
+    pub fn excess(self) -> f64 {
+        (self.squared / 2.0).max(1.0).sqrt()
+    }
+
+    /// Whether to begin anew, at this contrast, with a gyro or without: no scene can be so far off.
+    pub fn is_lost(self, contrast_k: f64, gyro: bool) -> bool {
+        let limit = APART.0.max(APART.1 / contrast_k.abs().max(1.0));
+        self.squared > if gyro { GYRO_WRONG } else { LOST } || self.apart[0].hypot(self.apart[1]) > limit
+    }
+}
+
+impl FieldEstimator {
+    /// Takes in the readings, one after the other.
+    pub(super) fn correct(&mut self, readings: &[Option<f64>; MAX_SENSORS], dt_s: f64) {
+        let noise = self.tuning.noise_k * self.tuning.noise_k;
+        let (mut misfit, mut count) = (0.0, 0.0);
+        for (i, reading) in readings.iter().enumerate().take(self.model.sensors()) {
+            let Some(reading) = reading else { continue };
+            let innovation = reading - self.state.x[SEEN + i];
+            let predicted = self.state.p[SEEN + i][SEEN + i];
+            let squared = innovation * innovation;
+            misfit += squared / (predicted + noise);
+            count += 1.0;
+            let variance = noise.max(squared / (GATE * GATE) - predicted);
+            self.state.correct_one(SEEN + i, innovation, variance);
+        }
+        self.state.settle();
+        if count > 0.0 {
+            self.misfit.squared += -(-dt_s / MISFIT_S).exp_m1() * (misfit / count - self.misfit.squared);
+        }
+    }
+
+    /// Learns from the innovations before they are taken in: what looks like a turn apart from what
+    /// looks like another contrast, and that apart from the rest.
+    pub(super) fn learn(&mut self, readings: &[Option<f64>; MAX_SENSORS], dt_s: f64) {
+        let sky = scene(&self.state);
+        let mut innovations = Pattern::default();
+        let mut scenes = Pattern::default();
+        let mut seen = [None; MAX_SENSORS];
+        for (i, reading) in readings.iter().enumerate().take(self.model.sensors()) {
+            let Some(reading) = reading else { continue };
+            let s = self.model.seen(i, &self.state.axes, &sky);
+            innovations[i] = reading - self.state.x[SEEN + i];
+            scenes[i] = s.sky * self.state.x[self.state.scene(i)];
+            seen[i] = Some(s);
+        }
+        let directions = Directions::new(&seen);
+        let alone = readings.iter().zip(&self.state.plain).map(|(r, p)| r.map_or(0.0, |r| r - p));
+        let mut pattern = Pattern::default();
+        pattern.iter_mut().zip(alone).for_each(|(p, a)| *p = a);
+        let share = -(-dt_s / APART_S).exp_m1();
+        for (apart, now) in self.misfit.apart.iter_mut().zip(directions.turned(&pattern)) {
+            *apart += share * (now - *apart);
+        }
+        if !self.gyro.in_use() {
+            for (rate, direction) in self.rates.iter_mut().zip(&directions.turn) {
+                rate.update(dot(&innovations, direction), dt_s);
+            }
+        }
+        self.contrast.update(dot(&innovations, &directions.contrast), dt_s);
+        self.scene.update(&innovations, &scenes, &directions, dt_s);
+    }
+
+    /// What sensor `i` shows beyond what the sky and the attitude explain, K.
+    pub fn residual_k(&self, i: usize) -> Option<f64> {
+        (i < self.model.sensors()).then(|| self.state.x[self.state.scene(i)] + self.scene.left_k(i))
+    }
+}

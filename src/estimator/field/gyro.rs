@@ -1,0 +1,66 @@
+//! Body rates, and when to believe them.
+
+use crate::estimator::vector::Vector;
+use crate::frame::Aiding;
+use crate::time::Time;
+
+/// A sample older than this is none, and frames farther apart cannot use one, s.
+const AGE_S: f64 = 0.25;
+/// Faster than this nothing that flies can turn, °/s.
+const FASTEST_DEG_S: f64 = 2000.0;
+/// A gyro that was wrong is believed again after this, s; twice as long each time.
+const DISTRUST_S: (f64, f64) = (20.0, 640.0);
+
+/// The gyro of an autopilot.
+#[derive(Clone, Debug, Default)]
+pub struct Gyro {
+    last: Option<(Vector, Time)>,
+    rates: Option<Vector>,
+    now: Time,
+    wrong_since: Option<Time>,
+    distrust_s: f64,
+}
+
+impl Gyro {
+    /// Takes in what came with a frame, `dt_s` after the last; whether the gyro has come or gone.
+    pub fn update(&mut self, aiding: &Aiding, now: Time, dt_s: f64) -> bool {
+        self.now = now;
+        let before = self.rates.is_some();
+        self.rates = self.current(aiding, now, dt_s);
+        if self.wrong_since.is_some_and(|at| (0.0..self.distrust_s).contains(&now.since(at))) {
+            self.rates = None;
+        }
+        before != self.rates.is_some()
+    }
+
+    fn current(&mut self, aiding: &Aiding, now: Time, dt_s: f64) -> Option<Vector> {
+        let age = |at: Time| (0.0..AGE_S).contains(&now.since(at));
+        if let [Some(p), Some(q), Some(r)] = aiding.gyro_deg_s
+            && [p, q, r].iter().all(|v| v.abs() <= FASTEST_DEG_S)
+        {
+            // Front, right, down to nose, left, up.
+            let rates = [p, -q, -r].map(f64::to_radians);
+            let before = self.last.replace((rates, now)).filter(|(_, at)| age(*at)).map_or(rates, |(r, _)| r);
+            return (dt_s < AGE_S).then(|| std::array::from_fn(|i| 0.5 * (before[i] + rates[i])));
+        }
+        self.last.filter(|(_, at)| age(*at) && dt_s < AGE_S).map(|(rates, _)| rates)
+    }
+
+    /// The rates to be used, rad/s on nose, left, up: the mean over the time since the last frame.
+    pub fn rates(&self) -> Option<Vector> {
+        self.rates
+    }
+
+    /// Whether there are rates.
+    pub fn in_use(&self) -> bool {
+        self.rates.is_some()
+    }
+
+    /// The thermopiles speak against it: it is not believed for a while.
+    pub fn distrust(&mut self) {
+        if self.rates.take().is_some() {
+            self.wrong_since = Some(self.now);
+            self.distrust_s = (2.0 * self.distrust_s).clamp(DISTRUST_S.0, DISTRUST_S.1);
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! A flight under a sky of the family; what spoils it; the parts that learn.
+
+use super::adapt::Whiteness;
+use super::output::guard;
+use super::*;
+use crate::attitude::Attitude;
+use crate::simulation::noise::Noise;
+use crate::simulation::scenario::Scenario;
+use crate::source::FrameSource;
+
+fn estimator() -> FieldEstimator {
+    FieldEstimator::new(&Head::six(), FieldOfView::Gaussian { fwhm_deg: 90.0 }, Tuning::default())
+}
+
+/// The largest error of roll and pitch, °, over the last half of `seconds` of a scenario whose frames
+/// `spoil` may change.
+fn worst(name: &str, seconds: f64, mut spoil: impl FnMut(&mut Frame, f64)) -> f64 {
+    let mut source = Scenario::named(name).unwrap().lasting(seconds).source(5);
+    let mut e = estimator();
+    let mut frame = Frame::new(6);
+    let mut worst = 0.0_f64;
+    for i in 0..(seconds * 50.0) as u32 {
+        let s = f64::from(i) * 0.02;
+        let now = Time::from_secs_f64(100.0 + s);
+        source.scan(now, &mut frame);
+        spoil(&mut frame, s);
+        if let Some(a) = e.update(&frame).attitude
+            && s > seconds / 2.0
+        {
+            let truth: Attitude = source.truth_at(now);
+            let off = |a: f64, b: f64| (a - b).to_degrees().abs();
+            worst = worst.max(off(a.roll, truth.roll)).max(off(a.pitch, truth.pitch));
+        }
+    }
+    worst
+}
+
+#[test]
+fn with_rates_it_follows_within_a_third_of_a_degree() {
+    let off = worst("clear-dry", 60.0, |_, _| {});
+    assert!(off < 0.35, "{off}");
+}
+
+#[test]
+fn without_aiding_it_follows_within_two_degrees() {
+    let off = worst("clear-dry", 60.0, |f, _| f.aiding = Default::default());
+    assert!(off < 2.0, "{off}");
+}
+
+#[test]
+fn a_gyro_that_stands_still_is_found_out() {
+    let off = worst("clear-dry", 60.0, |f, _| {
+        f.aiding = Default::default();
+        f.aiding.gyro_deg_s = [Some(0.0); 3];
+    });
+    // Believed again now and then, and found out again.
+    assert!(off < 12.0, "{off}");
+}
+
+#[test]
+fn slow_references_that_lie_do_not_pull_a_good_attitude_away() {
+    let mut noise = Noise::new(1);
+    let off = worst("clear-dry", 60.0, |f, _| {
+        f.aiding.climb_m_s = Some(8.0 + noise.normal());
+        f.aiding.course_deg = Some(360.0 * noise.uniform());
+    });
+    assert!(off < 1.5, "{off}");
+}
+
+#[test]
+fn innovations_that_keep_their_sign_ask_for_more_and_those_that_change_it_for_less() {
+    let after = |innovation: &dyn Fn(u32) -> f64| {
+        let mut w = Whiteness::new(0.1, (0.5, 0.5), (0.1, 8.0));
+        (0..3000).for_each(|i| w.update(innovation(i), 0.02));
+        w.factor()
+    };
+    assert_eq!(after(&|i| 1.0 + 0.1 * f64::from(i % 2)), 8.0);
+    assert_eq!(after(&|i| if i % 2 == 0 { 1.0 } else { -1.0 }), 0.1);
+    assert_eq!(after(&|_| 0.0), 1.0);
+}
+
+#[test]
+fn the_guard_never_makes_an_angle_smaller_and_is_idle_while_sure() {
+    for deg in -180..=180 {
+        let angle = f64::from(deg).to_radians();
+        for sigma in [0.0, 0.005, 0.02, 0.1, 3.0] {
+            let shown = guard(angle, sigma, std::f64::consts::PI);
+            assert!(shown.abs() >= angle.abs() && shown.abs() <= angle.abs() + 0.0871 && shown * angle >= 0.0);
+        }
+        assert_eq!(guard(angle, 0.008, std::f64::consts::PI), angle);
+    }
+    assert_eq!(guard(std::f64::consts::PI, 1.0, std::f64::consts::PI), std::f64::consts::PI);
+}

@@ -1,0 +1,87 @@
+//! What the filter takes the world to be like.
+
+/// Noise and time constants, found on simulated flights. Angles in rad, temperatures in K, times in s;
+/// a `walk` is what a random walk has gone in a second.
+#[derive(Clone, Copy, Debug)]
+pub struct Tuning {
+    /// The sensors' first-order time constant.
+    pub lag_s: f64,
+    /// With a gyro the time constant is estimated: the standard deviation of its logarithm at first.
+    pub lag_sigma: f64,
+    /// Noise of one reading, quantisation included.
+    pub noise_k: f64,
+    /// Body rates without a gyro, about nose, left and up, rad/s; how fast that is learnt, 1/s.
+    pub rate_sigma: [f64; 3],
+    /// How long a rate lasts.
+    pub rate_time_s: f64,
+    /// How fast the size of the rates is learnt, 1/s.
+    pub rate_learning: f64,
+    /// The airspeed from which a heading is reckoned without a gyro, m/s.
+    pub cruise_m_s: f64,
+    /// The attitude's walk by the gyro's noise.
+    pub gyro_walk: f64,
+    /// The gyro's bias at first and its walk, rad/s.
+    pub bias: (f64, f64),
+    /// The walk of the ground's temperature.
+    pub ground_walk: f64,
+    /// The walk of the contrast as a share of it, and how fast a larger one is learnt, 1/s.
+    pub contrast: (f64, f64),
+    /// The logarithm of the sky's optical depth: mean, standard deviation, walk.
+    pub depth: (f64, f64, f64),
+    /// The share of averaging in radiance: mean and standard deviation.
+    pub radiance: (f64, f64),
+    /// A side of the sky, or of the ground, that is warmer: at first and its walk.
+    pub side: (f64, f64),
+    /// Its walk while the scene is seen to be unlike a sky alike all around.
+    pub unlike_side_walk: f64,
+    /// How large a warm side may then be that nothing shows, without a gyro.
+    pub unlike_side_k: f64,
+    /// A sensor's own scene at first (for a contrast of 35 K), and its least size.
+    pub scene: (f64, f64),
+    /// How long a scene lasts at rest; the angle that turns it into another, with a gyro and without.
+    pub scene_time_s: f64,
+    /// rad
+    pub scene_angle: (f64, f64),
+    /// How fast a stronger scene is learnt, and a weaker one, s.
+    pub scene_learning_s: (f64, f64),
+    /// Bank and pitch offsets against the slow references: at first and their walk.
+    pub offset: (f64, f64),
+    /// The sine of the bank by coordinated turns: its error and how long that lasts.
+    pub turn: (f64, f64),
+    /// The sine of the pitch by the climb: its error and how long that lasts.
+    pub climb: (f64, f64),
+    /// The nose against the course: its error and how long that lasts.
+    pub heading: (f64, f64),
+}
+
+impl Default for Tuning {
+    fn default() -> Self {
+        let deg = f64::to_radians;
+        Self {
+            lag_s: 0.1,
+            lag_sigma: 0.5,
+            noise_k: 0.085,
+            rate_sigma: [deg(9.0), deg(3.5), deg(3.5)],
+            rate_time_s: 0.5,
+            rate_learning: 0.5,
+            cruise_m_s: 15.0,
+            gyro_walk: deg(0.03),
+            bias: (deg(1.0), deg(0.003)),
+            ground_walk: 0.1,
+            contrast: (0.02, 5.0),
+            depth: (-1.2, 0.8, 0.007),
+            radiance: (0.5, 0.5),
+            side: (0.1, 0.0015),
+            unlike_side_walk: 0.1,
+            unlike_side_k: 1.1,
+            scene: (0.3, 0.012),
+            scene_time_s: 60.0,
+            scene_angle: (0.8, 3.0),
+            scene_learning_s: (2.0, 8.0),
+            offset: (deg(6.0), deg(0.02)),
+            turn: (deg(3.0), 0.5),
+            climb: (deg(2.0), 0.5),
+            heading: (deg(15.0), 20.0),
+        }
+    }
+}
