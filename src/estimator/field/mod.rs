@@ -201,12 +201,12 @@ impl FieldEstimator {
     fn solution(&self) -> Solution {
         let (mut attitude, mut sigma) = attitude(&self.state);
         let contrast_k = self.state.x[CONTRAST];
-        if !self.gyro.in_use() {
-            // Without a gyro a warm side looks like an attitude; that there is one shows elsewhere.
-            let doubt = self.scene.unlike() * self.tuning.unlike_side_k / (PAIR_SLOPE * contrast_k.abs().max(1.0));
-            sigma.roll = sigma.roll.hypot(doubt / attitude.pitch.cos().max(0.2));
-            sigma.pitch = sigma.pitch.hypot(doubt);
-        }
+        // A warm side looks like an attitude, most of all without a gyro; that there is one shows elsewhere.
+        let t = self.tuning.unlike_side_k;
+        let side_k = self.scene.unlike() * if self.gyro.in_use() { t.1 } else { t.0 };
+        let doubt = side_k / (PAIR_SLOPE * contrast_k.abs().max(1.0));
+        sigma.roll = sigma.roll.hypot(doubt / attitude.pitch.cos().max(0.2));
+        sigma.pitch = sigma.pitch.hypot(doubt);
         let poor = self.misfit.excess();
         (sigma.roll, sigma.pitch) = (poor * sigma.roll, poor * sigma.pitch);
         attitude.roll = guard(attitude.roll, sigma.roll, std::f64::consts::PI);

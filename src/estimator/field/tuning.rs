@@ -34,8 +34,9 @@ pub struct Tuning {
     pub side: (f64, f64),
     /// Its walk while the scene is seen to be unlike a sky alike all around.
     pub unlike_side_walk: f64,
-    /// How large a warm side may then be that nothing shows, without a gyro.
-    pub unlike_side_k: f64,
+    /// How large a warm side may then be that nothing shows, without a gyro; with one, beyond what the
+    /// states know of it.
+    pub unlike_side_k: (f64, f64),
     /// A sensor's own scene at first (for a contrast of 35 K), and its least size.
     pub scene: (f64, f64),
     /// How long a scene lasts at rest; the angle that turns it into another, with a gyro and without.
@@ -62,7 +63,7 @@ impl Default for Tuning {
             lag_sigma: 0.5,
             noise_k: 0.085,
             rate_sigma: [deg(9.0), deg(3.5), deg(3.5)],
-            rate_time_s: 0.5,
+            rate_time_s: 0.6,
             rate_learning: 0.5,
             cruise_m_s: 15.0,
             gyro_walk: deg(0.03),
@@ -71,9 +72,9 @@ impl Default for Tuning {
             contrast: (0.02, 5.0),
             depth: (-1.2, 0.8, 0.007),
             radiance: (0.5, 0.5),
-            side: (0.1, 0.0015),
+            side: (1.0, 0.0015),
             unlike_side_walk: 0.1,
-            unlike_side_k: 1.1,
+            unlike_side_k: (1.35, 0.3),
             scene: (0.3, 0.012),
             scene_time_s: 60.0,
             scene_angle: (0.8, 3.0),
