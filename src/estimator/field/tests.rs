@@ -8,16 +8,16 @@ use crate::simulation::noise::Noise;
 use crate::simulation::scenario::Scenario;
 use crate::source::FrameSource;
 
-fn estimator() -> FieldEstimator {
-    FieldEstimator::new(&Head::six(), FieldOfView::Gaussian { fwhm_deg: 90.0 }, Tuning::default())
-}
-
 /// The largest error of roll and pitch, °, over the last half of `seconds` of a scenario whose frames
 /// `spoil` may change.
-fn worst(name: &str, seconds: f64, mut spoil: impl FnMut(&mut Frame, f64)) -> f64 {
-    let mut source = Scenario::named(name).unwrap().lasting(seconds).source(5);
-    let mut e = estimator();
-    let mut frame = Frame::new(6);
+fn worst(name: &str, seconds: f64, spoil: impl FnMut(&mut Frame, f64)) -> f64 {
+    worst_of(&Scenario::named(name).unwrap().lasting(seconds), spoil)
+}
+
+fn worst_of(scenario: &Scenario, mut spoil: impl FnMut(&mut Frame, f64)) -> f64 {
+    let (mut source, head, seconds) = (scenario.source(5), scenario.head(), scenario.seconds());
+    let mut e = FieldEstimator::new(&head, scenario.field(), Tuning::default());
+    let mut frame = Frame::new(head.sensors.len());
     let mut worst = 0.0_f64;
     for i in 0..(seconds * 50.0) as u32 {
         let s = f64::from(i) * 0.02;
@@ -45,6 +45,14 @@ fn with_rates_it_follows_within_a_third_of_a_degree() {
 fn without_aiding_it_follows_within_two_degrees() {
     let off = worst("clear-dry", 60.0, |f, _| f.aiding = Default::default());
     assert!(off < 2.0, "{off}");
+}
+
+#[test]
+fn pairs_are_taken_as_they_come() {
+    let scenario = Scenario::named("clear-dry").unwrap().lasting(60.0).differential();
+    let (bare, with_rates) =
+        (worst_of(&scenario, |f, _| f.aiding = Default::default()), worst_of(&scenario, |_, _| {}));
+    assert!(bare < 2.5 && with_rates < 0.8, "{bare} {with_rates}");
 }
 
 #[test]

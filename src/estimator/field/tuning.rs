@@ -74,7 +74,7 @@ impl Default for Tuning {
             radiance: (0.5, 0.5),
             side: (1.0, 0.0015),
             unlike_side_walk: 0.1,
-            unlike_side_k: (1.35, 0.3),
+            unlike_side_k: (1.35, 0.2),
             scene: (0.3, 0.012),
             scene_time_s: 60.0,
             scene_angle: (0.8, 3.0),
