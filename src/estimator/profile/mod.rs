@@ -32,6 +32,9 @@ const REMEMBERED_S: f64 = 1.0;
 /// The contrast below which a vertical is too noisy to tell which side is up, K.
 const TELLING_K: f64 = 10.0 * PAIR_NOISE_K;
 
+/// A contrast up to so many times the range is believed; above it the range, so widened, scales the angles.
+const BELIEVED: f64 = 1.1;
+
 /// Past this `u_up`, a sky warmer than the ground seen from an aircraft on its back is believed to
 /// be neither.
 const ON_ITS_BACK: f64 = -0.5;
@@ -41,10 +44,9 @@ const LEAST_ACROSS: f64 = 0.05;
 
 /// Attitude from the inverted profile.
 ///
-/// Each frame is solved for contrast and vertical. The contrast goes through the adaptive range;
-/// the angles' numerators are then taken on the solved contrast or the range, whichever shows the
-/// larger angle, so that neither a contrast overrated in this frame nor one that has just gone makes an
-/// angle too small.
+/// Each frame is solved for contrast and vertical. The contrast goes through the adaptive range, which
+/// falls fast and rises slowly. A contrast well above the range is doubted: the angles' numerators are
+/// then taken on the range, so that a contrast overrated in this frame makes no angle too small.
 #[derive(Clone, Debug)]
 pub struct ProfileEstimator {
     head: Head,
@@ -139,8 +141,11 @@ impl Estimator for ProfileEstimator {
             return Solution { contrast_k: self.contrast_k(), seen_k, ..Solution::default() };
         };
         let sign = self.sign(solved.vertical, time);
-        let ranged = self.range.update(solved.contrast_k, time).and_then(|r| solver.with_contrast(&self.signals, r));
-        let (attitude, sigma) = self.attitude(solver, &solved, ranged.as_ref(), sign);
+        let range = self.range.update(solved.contrast_k, time).map(|r| BELIEVED * r);
+        let doubted = range.filter(|r| solved.contrast_k > *r);
+        let scaled = doubted.and_then(|r| solver.with_contrast(&self.signals, r));
+        let ranged = self.range.value().and_then(|r| solver.with_contrast(&self.signals, r));
+        let (attitude, sigma) = self.attitude(solver, &solved, scaled.as_ref(), sign);
         self.residual = ranged.map(|r| r.length - 1.0);
         self.exchanged = sign < 0.0;
         if solved.contrast_k > TELLING_K {
