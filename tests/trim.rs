@@ -1,0 +1,76 @@
+//! The mounting's trim learnt in flight, over whole simulated flights with all instruments and a well
+//! mounted head: the angle of attack is 2.5°, and there is nothing to learn.
+
+use irhorizon::attitude::Attitude;
+use irhorizon::estimator::trim::{Learner, level};
+use irhorizon::estimator::{Estimator, ProfileEstimator};
+use irhorizon::frame::Frame;
+use irhorizon::simulation::Scenario;
+use irhorizon::sky::{Averaging, Response, Sky};
+use irhorizon::source::FrameSource;
+use irhorizon::time::Time;
+
+/// Frames of a flight, at 20 Hz.
+const FRAMES: u64 = 6000;
+
+/// Squared errors of roll and pitch, summed.
+#[derive(Default)]
+struct Errors([f64; 2]);
+
+impl Errors {
+    fn add(&mut self, is: Attitude, truth: Attitude) {
+        self.0[0] += (is.roll - truth.roll).sin().powi(2);
+        self.0[1] += (is.pitch - truth.pitch).sin().powi(2);
+    }
+
+    fn rms_deg(&self) -> [f64; 2] {
+        self.0.map(|sum| (sum / FRAMES as f64).sqrt().to_degrees())
+    }
+}
+
+/// The largest trims of a flight, and the errors without and with them, all roll and pitch in degrees.
+fn flown(name: &str, seed: u64) -> [[f64; 2]; 3] {
+    let scenario = Scenario::named(name).unwrap().lasting(300.0);
+    let sky = Sky::NAMIBIA;
+    let response = Response::new(sky.shape, scenario.field(), Averaging::Temperature);
+    let mut method = ProfileEstimator::new(scenario.head(), response.pair_curve(sky.ground_c, sky.sky_max_k), 3.0);
+    let (mut source, mut frame, mut learner) = (scenario.source(seed), Frame::new(6), Learner::default());
+    let (mut largest, mut without, mut with) = ([0.0_f64; 2], Errors::default(), Errors::default());
+    for i in 0..FRAMES {
+        let tick = Time::from_nanos(i * 50_000_000);
+        source.scan(tick, &mut frame);
+        let Some(seen) = method.update(&frame).attitude else { continue };
+        learner.update(seen, &frame.aiding, frame.time);
+        let trim = learner.trim();
+        for (l, t) in largest.iter_mut().zip([trim.roll, trim.pitch]) {
+            *l = l.max(t.to_degrees().abs());
+        }
+        without.add(seen, source.truth_at(tick));
+        with.add(level(seen, trim), source.truth_at(tick));
+    }
+    let found = [largest, without.rms_deg(), with.rms_deg()];
+    println!("{name} {seed}: trim at most {:.2?}°, rms without it {:.2?}°, with {:.2?}°", found[0], found[1], found[2]);
+    found
+}
+
+#[test]
+fn a_well_mounted_head_is_let_be() {
+    for name in ["clear-dry", "clear-humid", "overcast", "uncoordinated", "inverted"] {
+        for seed in [1, 2] {
+            let [largest, ..] = flown(name, seed);
+            assert!(largest[0] < 0.2 && largest[1] < 0.6, "{name} {seed}: {largest:?}");
+        }
+    }
+}
+
+#[test]
+fn no_scene_that_leans_pulls_a_well_mounted_head_away() {
+    for name in ["warm-side", "warm-sky", "cumulus", "ridge"] {
+        for seed in [1, 2] {
+            let [largest, without, with] = flown(name, seed);
+            let worse = [0, 1].map(|i| with[i] - without[i]);
+            assert!(worse.iter().all(|w| *w < 0.2), "{name} {seed}: worse by {worse:?}");
+            assert!(largest[0] < 1.0 && largest[1] < 2.5, "{name} {seed}: {largest:?}");
+        }
+    }
+}
