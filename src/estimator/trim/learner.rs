@@ -110,6 +110,7 @@ impl Learner {
             return;
         }
         let heard = self.references.hear(aiding, roll, now);
+        // Without a course nothing is known to have been flown round.
         let course = heard.course.unwrap_or(0.0);
         if let Some((bank, roll)) = heard.bank {
             self.roll.learn(roll - bank.angle, bank, Circumstances { course, climb: 0.0 });

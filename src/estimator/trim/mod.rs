@@ -17,8 +17,11 @@ use crate::attitude::Attitude;
 
 /// The attitude of the aircraft on which a head shows `seen`, where the head shows `trim` in level
 /// flight: the vertical turned back about the nose by the trim's roll, then about the left wing by its
-/// pitch. Exact at any attitude, where a difference of angles is not.
+/// pitch. Exact at any attitude, where a difference of angles is not; without a trim, not a bit is changed.
 pub fn level(seen: Attitude, trim: Attitude) -> Attitude {
+    if trim == Attitude::default() {
+        return seen;
+    }
     let [x, y, z] = seen.vertical();
     let ((sr, cr), (sp, cp)) = (trim.roll.sin_cos(), trim.pitch.sin_cos());
     let (left, up) = (y * cr - z * sr, y * sr + z * cr);
