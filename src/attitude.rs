@@ -71,6 +71,8 @@ pub struct Estimate {
     pub attitude: Option<Attitude>,
     /// Standard deviations of roll and pitch, rad; meaningful only beside an attitude.
     pub sigma: Attitude,
+    /// What was learnt in flight of the head's mounting, beyond the configured trim, rad: taken off already.
+    pub trim: Attitude,
     /// The ground's temperature less the zenith's, as the vertical pair sees it, K; `None` before
     /// it was first seen.
     pub contrast_k: Option<f64>,

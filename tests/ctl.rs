@@ -3,7 +3,7 @@
 use irhorizon::config::settings::BusAddress;
 use irhorizon::ctl::kit::{Daemon, DaemonError, Kit};
 use irhorizon::ctl::run;
-use irhorizon::ctl::view::{Endpoint, Fault, Sensor, Status};
+use irhorizon::ctl::view::{Endpoint, Fault, Sensor, Status, Trim};
 use irhorizon::ctl::watch::{Palette, Seen, draw};
 use irhorizon::recording::Taps;
 use ratatui::buffer::Buffer;
@@ -34,7 +34,8 @@ impl Daemon for Fake {
     }
 }
 
-const SCENES: [&str; 8] = ["nominal", "degraded", "faulted", "starting", "right-bank", "nose-up", "inverted", "pairs"];
+const SCENES: [&str; 9] =
+    ["trimmed", "nominal", "degraded", "faulted", "starting", "right-bank", "nose-up", "inverted", "pairs"];
 
 const KIT: Kit = Kit {
     connect: |bus| match bus {
@@ -77,6 +78,7 @@ fn scene(name: &str) -> Status {
         pitch_deg: Some(0.0),
         roll_sigma_deg: Some(0.8),
         pitch_sigma_deg: Some(0.9),
+        trim: Trim::default(),
         contrast_c: Some(36.78),
         sample_time_usec: 3_600_000_000,
         sample_age_s: 0.0123,
@@ -117,6 +119,9 @@ fn scene(name: &str) -> Status {
                 (sensor.object_c, sensor.ambient_c, sensor.state) = (None, None, "not read yet".into());
                 sensor.counters.clear();
             }
+        }
+        "trimmed" => {
+            s.trim = Trim { roll_deg: -1.254, pitch_deg: 8.0, roll_learnt_deg: -0.004, pitch_learnt_deg: 5.5 };
         }
         "right-bank" => s.roll_deg = Some(30.0),
         "nose-up" => s.pitch_deg = Some(15.0),
@@ -163,6 +168,30 @@ fn status_in_every_format_and_mode() {
             golden(&format!("status-{mode}.{end}"), &out);
         }
     }
+}
+
+#[test]
+fn a_learnt_trim_is_shown_and_saved_over_nothing() {
+    golden("status-trimmed.txt", &ctl("--bus fake:trimmed status").1);
+    let (_, json, _) = ctl("--bus fake:trimmed status --format json");
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(value["trim"]["pitch_learnt_deg"], 5.5);
+    let (code, out, err) = ctl("--bus fake:trimmed trim");
+    assert_eq!((code, err.as_str()), (0, ""));
+    golden("trim.toml", &out);
+    let file = std::env::temp_dir().join(format!("irhorizon-trim-{}.toml", std::process::id()));
+    let line = format!("--bus fake:trimmed trim --save {}", file.display());
+    let (code, said, err) = ctl(&line);
+    assert_eq!((code, said.as_str()), (0, ""));
+    assert!(err.contains("systemctl reload irhorizond"), "{err}");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), out);
+    let (code, _, err) = ctl(&line);
+    assert!(code == 1 && err.contains("--force"), "{err}");
+    assert_eq!(ctl(&format!("{line} --force")).0, 0);
+    std::fs::remove_file(file).unwrap();
+    assert_eq!((ctl("trim").0, ctl("--bus fake:trimmed trim --force").0), (3, 64));
+    let (code, _, err) = ctl("--bus fake:trimmed trim --save /nowhere/trim.toml");
+    assert!(code == 1 && err.contains("writing /nowhere/trim.toml failed: No such file"), "{err}");
 }
 
 #[test]

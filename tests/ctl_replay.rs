@@ -16,12 +16,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 fn settings() -> Settings {
-    let (roll_trim_deg, pitch_trim_deg, field_of_view_deg) = (0.0, 0.0, 90.0);
+    let (roll_trim_deg, pitch_trim_deg, learn_trim, field_of_view_deg) = (0.0, 0.0, false, 90.0);
     Settings {
         rate_hz: 50.0,
         quiet: Duration::ZERO,
         sensors: Vec::new(),
-        head: HeadSettings { roll_trim_deg, pitch_trim_deg, field_of_view_deg },
+        head: HeadSettings { roll_trim_deg, pitch_trim_deg, learn_trim, field_of_view_deg },
         estimator: EstimatorSettings { method: Method::InverseSine, range_time_constant_s: 3.0, roll_limit_deg: 0.0 },
         faults: FaultSettings {
             on_fault: OnFault::Withhold,

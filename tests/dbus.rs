@@ -20,6 +20,7 @@ const SOON: Duration = Duration::from_millis(300);
 fn level(s: &mut Snapshot) {
     s.estimate.attitude = Some(Attitude::from_degrees(12.5, -3.0));
     s.estimate.sigma = Attitude::from_degrees(0.5, 0.25);
+    s.estimate.trim = Attitude { roll: 0.0, pitch: 6_f64.to_radians() };
     s.estimate.contrast_k = Some(31.5);
     s.estimate.mode = Mode::Nominal;
     s.estimate.time = Time::from_nanos(5_000_000_999);
@@ -49,6 +50,9 @@ fn busctl_reads_what_was_estimated() {
         ("PitchDeg", "d -3"),
         ("RollSigmaDeg", "d 0.5"),
         ("PitchSigmaDeg", "d 0.25"),
+        ("RollTrimDeg", "d 0.5"),
+        ("PitchTrimDeg", "d 4"),
+        ("PitchTrimLearntDeg", "d 6"),
         ("ContrastC", "d 31.5"),
         ("Mode", "s \"degraded\""),
         ("Faults", "as 1 \"sensor-lost:down\""),

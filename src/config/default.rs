@@ -13,7 +13,7 @@ impl Default for Settings {
             rate_hz: 50.0,
             quiet: Duration::from_millis(1),
             sensors: Vec::new(),
-            head: HeadSettings { roll_trim_deg: 0.0, pitch_trim_deg: 0.0, field_of_view_deg: 90.0 },
+            head: HeadSettings { roll_trim_deg: 0.0, pitch_trim_deg: 0.0, learn_trim: true, field_of_view_deg: 90.0 },
             estimator: EstimatorSettings {
                 method: Method::InverseSine,
                 range_time_constant_s: 3.0,

@@ -200,6 +200,8 @@ pub struct HeadSettings {
     pub roll_trim_deg: f64,
     /// The pitch that the head shows in level flight, °: taken off what is estimated. ±45.
     pub pitch_trim_deg: f64,
+    /// Whether what trims are missing is learnt in flight from GPS and airspeed.
+    pub learn_trim: bool,
     /// The sensors' full field of view between half-power points, °: 5 to 150.
     pub field_of_view_deg: f64,
 }

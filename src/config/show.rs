@@ -20,6 +20,7 @@ pub fn show(settings: &Settings) -> String {
     out.header("[head]");
     out.set("roll-trim-deg", head.roll_trim_deg);
     out.set("pitch-trim-deg", head.pitch_trim_deg);
+    out.set("learn-trim", head.learn_trim);
     out.set("field-of-view-deg", head.field_of_view_deg);
     out.header("[estimator]");
     out.set("method", string(estimator.method.as_str()));

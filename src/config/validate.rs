@@ -43,6 +43,7 @@ fn head(mut s: Section<'_>, d: HeadSettings) -> HeadSettings {
     let settings = HeadSettings {
         roll_trim_deg: s.range("roll-trim-deg", -45.0, 45.0, "°").unwrap_or(d.roll_trim_deg),
         pitch_trim_deg: s.range("pitch-trim-deg", -45.0, 45.0, "°").unwrap_or(d.pitch_trim_deg),
+        learn_trim: s.boolean("learn-trim").unwrap_or(d.learn_trim),
         field_of_view_deg: s.range("field-of-view-deg", 5.0, 150.0, "°").unwrap_or(d.field_of_view_deg),
     };
     s.finish();

@@ -1,7 +1,7 @@
 //! The daemon's answers as the view that everything prints.
 
 use super::client::ClientError;
-use super::view::{Endpoint, Fault, Sensor, Status};
+use super::view::{Endpoint, Fault, Sensor, Status, Trim};
 use crate::dbus::SENSOR;
 use crate::time::Time;
 use std::collections::HashMap;
@@ -53,6 +53,12 @@ pub(super) fn status(
         pitch_deg: p.number("PitchDeg")?,
         roll_sigma_deg: p.number("RollSigmaDeg")?,
         pitch_sigma_deg: p.number("PitchSigmaDeg")?,
+        trim: Trim {
+            roll_deg: p.take("RollTrimDeg")?,
+            pitch_deg: p.take("PitchTrimDeg")?,
+            roll_learnt_deg: p.take("RollTrimLearntDeg")?,
+            pitch_learnt_deg: p.take("PitchTrimLearntDeg")?,
+        },
         contrast_c: p.number("ContrastC")?,
         sample_time_usec,
         sample_age_s: if sample_time_usec == 0 { f64::NAN } else { age_s(sample_time_usec) },

@@ -52,6 +52,8 @@ pub enum Command {
         #[arg(long)]
         show: bool,
     },
+    /// Say the head's trim, with what was learnt in flight, as lines of configuration
+    Trim(TrimArgs),
     /// Record the daemon's frames as CSV, until Ctrl-C
     Record(RecordArgs),
     /// Run a recording through the daemon's own estimator
@@ -99,6 +101,17 @@ pub struct WatchArgs {
     /// The picture's size in cells, WxH; the terminal's when not given
     #[arg(long, value_parser = size, requires = "once", conflicts_with = "json")]
     pub size: Option<(u16, u16)>,
+}
+
+/// Arguments of `trim`.
+#[derive(Clone, Debug, Args)]
+pub struct TrimArgs {
+    /// Write the lines to a file, such as /etc/irhorizon/irhorizon.toml.d/trim.toml
+    #[arg(long, value_name = "FILE")]
+    pub save: Option<PathBuf>,
+    /// Overwrite the file when it is there already
+    #[arg(long, requires = "save")]
+    pub force: bool,
 }
 
 /// Arguments of `record`.

@@ -7,6 +7,7 @@
 //! - [`error`]: what goes wrong, and the exit codes.
 //! - [`status`], [`prometheus`], [`sensors`]: the state as text.
 //! - [`watch`]: the live horizon.
+//! - [`trim`]: the head's trim as configuration.
 //! - [`simulate`]: recordings of flights that never were.
 //! - [`record`], [`replay`]: recordings out of the daemon, and through its pipeline.
 //! - [`recording_args`], [`opening`]: the words of the commands on recordings, and what they share.
@@ -31,6 +32,7 @@ pub mod sensors;
 mod signals;
 pub mod simulate;
 pub mod status;
+pub mod trim;
 pub mod view;
 pub mod watch;
 

@@ -11,7 +11,7 @@ use rustix::net::{RecvFlags, recv};
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::os::fd::OwnedFd;
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -214,7 +214,8 @@ pub fn command(
     }
 }
 
-fn create(path: &PathBuf, force: bool) -> Result<File, CtlError> {
+/// A new file at `path`; over one that is there only by `force`.
+pub(super) fn create(path: &Path, force: bool) -> Result<File, CtlError> {
     let mut options = OpenOptions::new();
     options.write(true);
     if force {
@@ -223,8 +224,8 @@ fn create(path: &PathBuf, force: bool) -> Result<File, CtlError> {
         options.create_new(true)
     };
     options.open(path).map_err(|source| match source.kind() {
-        ErrorKind::AlreadyExists => CtlError::Exists { path: path.clone() },
-        _ => CtlError::Write { path: path.clone(), rows: None, source },
+        ErrorKind::AlreadyExists => CtlError::Exists { path: path.to_owned() },
+        _ => CtlError::Write { path: path.to_owned(), rows: None, source },
     })
 }
 

@@ -4,7 +4,7 @@ use super::cli::{Cli, Command, SensorsFormat, StatusFormat};
 use super::error::{CtlError, EXIT_FAILED, EXIT_OK, EXIT_USAGE, chain};
 use super::kit::Kit;
 use super::view::Status;
-use super::{plot, prometheus, record, replay, score, sensors, signals, simulate, status, watch};
+use super::{plot, prometheus, record, replay, score, sensors, signals, simulate, status, trim, watch};
 use crate::config::settings::BusAddress;
 use crate::sensor::schedule::Schedule;
 use clap::Parser;
@@ -63,6 +63,7 @@ fn dispatch(cli: &Cli, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> R
         }
         Command::Watch(args) => watch::command(*args, &cli.bus, kit, &*stop_flag()?, out, err)?,
         Command::Validate { file, show } => return validate(file, *show, kit, out, err),
+        Command::Trim(args) => trim::command(args, ask(&cli.bus, kit)?.trim, out, err)?,
         Command::Record(args) => record::command(args, &cli.bus, kit, &*stop_flag()?, out, err)?,
         Command::Replay(args) => replay::command(args, kit, out, err)?,
         Command::Simulate(args) => simulate::command(args, out, err)?,

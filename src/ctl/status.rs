@@ -4,6 +4,9 @@ use super::error::{EXIT_FAILED, EXIT_OK, EXIT_WITHHELD};
 use super::view::Status;
 use std::fmt::Write as _;
 
+/// A smaller trim that was learnt is not spoken of, °.
+const WORTH_SAYING_DEG: f64 = 0.5;
+
 /// The exit code of `status`: 0 nominal, 1 degraded, 2 withheld.
 pub fn exit_code(status: &Status) -> u8 {
     match status.mode.as_str() {
@@ -23,6 +26,13 @@ pub fn plain(s: &Status) -> String {
     line("mode", &s.mode);
     line("roll", &angle(s.roll_deg, s.roll_sigma_deg, ("right", "left")));
     line("pitch", &angle(s.pitch_deg, s.pitch_sigma_deg, ("up", "down")));
+    let learnt = s.trim.roll_learnt_deg.abs().max(s.trim.pitch_learnt_deg.abs());
+    if learnt >= WORTH_SAYING_DEG {
+        // Never "-0.0".
+        let [roll, pitch] =
+            [s.trim.roll_learnt_deg, s.trim.pitch_learnt_deg].map(|v| if v.abs() < 0.05 { 0.0 } else { v });
+        line("trim", &format!("learnt in flight: roll {roll:+.1}°, pitch {pitch:+.1}°; irhorizonctl trim keeps it"));
+    }
     line("contrast", &finite(s.contrast_c).map_or_else(|| "not seen yet".into(), |k| format!("{k:.1} K")));
     let age = if s.sample_time_usec == 0 { "none yet".into() } else { format!("{} old", duration(s.sample_age_s)) };
     line("sample", &format!("{age}, {} a second", number(s.rate_hz, 1)));

@@ -19,6 +19,8 @@ pub struct Status {
     pub roll_sigma_deg: Option<f64>,
     /// Standard deviation of pitch, °.
     pub pitch_sigma_deg: Option<f64>,
+    /// The head's trim.
+    pub trim: Trim,
     /// Ground less zenith as the vertical pair sees it, K.
     pub contrast_c: Option<f64>,
     /// The stamp of the newest measurement, µs of `CLOCK_BOOTTIME`.
@@ -33,6 +35,19 @@ pub struct Status {
     pub sensors: Vec<Sensor>,
     /// The MAVLink endpoints.
     pub endpoints: Vec<Endpoint>,
+}
+
+/// What the head shows in level flight, taken off the attitude.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Trim {
+    /// Of roll, configured and learnt, °.
+    pub roll_deg: f64,
+    /// Of pitch, configured and learnt, °.
+    pub pitch_deg: f64,
+    /// The part of the roll's that was learnt in flight, °.
+    pub roll_learnt_deg: f64,
+    /// The part of the pitch's that was learnt in flight, °.
+    pub pitch_learnt_deg: f64,
 }
 
 /// An active fault.

@@ -32,6 +32,16 @@ impl Horizon {
         if estimate.attitude.is_some() { pick(estimate.sigma).to_degrees() } else { f64::NAN }
     }
 
+    /// The trim by which the attitude is: the configured and the learnt.
+    fn trim_deg(&self, pick: impl Fn(Attitude) -> f64) -> f64 {
+        let configured = lock(&self.live).info.trim;
+        pick(configured).to_degrees() + self.learnt_deg(pick)
+    }
+
+    fn learnt_deg(&self, pick: impl Fn(Attitude) -> f64) -> f64 {
+        pick(lock(&self.live).snapshot.estimate.trim).to_degrees()
+    }
+
     /// The properties whose changes are signalled.
     pub fn signalled(&self) -> [(&'static str, Variant<'static>); 11] {
         [
@@ -83,6 +93,31 @@ impl Horizon {
     #[zbus(property)]
     pub fn contrast_c(&self) -> f64 {
         lock(&self.live).snapshot.estimate.contrast_k.unwrap_or(f64::NAN)
+    }
+
+    /// The roll that the head shows in level flight, as configured and learnt, degrees.
+    /// Changes of the trims are not signalled.
+    #[zbus(property(emits_changed_signal = "false"))]
+    pub fn roll_trim_deg(&self) -> f64 {
+        self.trim_deg(|a| a.roll)
+    }
+
+    /// The pitch that the head shows in level flight, as configured and learnt, degrees.
+    #[zbus(property(emits_changed_signal = "false"))]
+    pub fn pitch_trim_deg(&self) -> f64 {
+        self.trim_deg(|a| a.pitch)
+    }
+
+    /// The part of it that was learnt in flight, degrees.
+    #[zbus(property(emits_changed_signal = "false"))]
+    pub fn roll_trim_learnt_deg(&self) -> f64 {
+        self.learnt_deg(|a| a.roll)
+    }
+
+    /// The part of it that was learnt in flight, degrees.
+    #[zbus(property(emits_changed_signal = "false"))]
+    pub fn pitch_trim_learnt_deg(&self) -> f64 {
+        self.learnt_deg(|a| a.pitch)
     }
 
     /// `starting`, `nominal`, `degraded` or `faulted`.

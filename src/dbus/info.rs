@@ -1,5 +1,6 @@
 //! What does not change from frame to frame, and what the service asks of the daemon.
 
+use crate::attitude::Attitude;
 use crate::config::settings::{DeviceSettings, Settings};
 use crate::ctl::view::Endpoint;
 use crate::head::Head;
@@ -16,6 +17,8 @@ pub struct ServiceInfo {
     pub sensors: Vec<SensorInfo>,
     /// The method of estimation.
     pub method: &'static str,
+    /// The configured trim.
+    pub trim: Attitude,
     /// From one signal to the next.
     pub update: Duration,
     /// The age of the newest frame beyond which the attitude is not shown any more.
@@ -67,6 +70,7 @@ impl ServiceInfo {
             head,
             sensors,
             method: settings.estimator.method.as_str(),
+            trim: Attitude::from_degrees(settings.head.roll_trim_deg, settings.head.pitch_trim_deg),
             update: seconds(1.0 / settings.dbus.update_hz),
             overdue: seconds(settings.faults.stale_after_s + 2.0 / settings.rate_hz),
             frames_header,

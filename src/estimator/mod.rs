@@ -4,6 +4,7 @@
 //! - [`profile`]: three pairs or more, inverted through the sky's shape;
 //! - [`contrast_vector`]: pairs in any direction, solved for one vector;
 //! - [`field`]: every sensor by itself, the sky estimated together with the attitude;
+//! - [`trim`]: how the head is mounted, learnt in flight from slow references;
 //! - [`range`]: the low-pass filter of the adaptive range;
 //! - [`vector`], [`normal`], [`noise`]: three components, least squares over directions, and the noise that every σ
 //!   assumes.
@@ -17,6 +18,7 @@ pub mod noise;
 pub mod normal;
 pub mod profile;
 pub mod range;
+pub mod trim;
 pub mod vector;
 
 pub use field::FieldEstimator;

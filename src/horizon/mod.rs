@@ -3,6 +3,7 @@
 use crate::attitude::{Attitude, Estimate, Mode};
 use crate::config::Settings;
 use crate::config::settings::Method;
+use crate::estimator::trim::{Learner, level};
 use crate::estimator::{Estimator, InverseSineEstimator};
 use crate::fault::FaultKind;
 use crate::fault::contrast::ContrastDetector;
@@ -16,6 +17,8 @@ pub struct Horizon {
     contrast: ContrastDetector,
     sensors: SensorDetector,
     trim: Attitude,
+    /// What the configured trim leaves; `None` where that is not to be learnt.
+    learner: Option<Learner>,
 }
 
 impl Horizon {
@@ -36,6 +39,7 @@ impl Horizon {
             contrast: ContrastDetector::new(f.low_contrast_c),
             sensors: SensorDetector::new(head, f.lost_after_s, f.back_after_s, f.stale_after_s),
             trim: Attitude::from_degrees(settings.head.roll_trim_deg, settings.head.pitch_trim_deg),
+            learner: (settings.head.learn_trim && learns(e.method)).then(Learner::default),
         }
     }
 
@@ -58,8 +62,7 @@ impl Horizon {
 
         match solution.attitude {
             Some(a) if trusted => {
-                estimate.attitude = Some(Attitude { roll: a.roll - self.trim.roll, pitch: a.pitch - self.trim.pitch });
-                estimate.sigma = solution.sigma;
+                self.publish(a, solution.sigma, frame, estimate);
                 estimate.mode = if estimate.faults.is_empty() { Mode::Nominal } else { Mode::Degraded };
             }
             None if trusted && estimate.faults.is_empty() => return,
@@ -72,6 +75,30 @@ impl Horizon {
         }
         estimate.time = frame.sample_time().unwrap_or(estimate.time);
     }
+
+    /// Trims `seen`, and learns from it where nothing speaks against it.
+    fn publish(&mut self, seen: Attitude, sigma: Attitude, frame: &Frame, estimate: &mut Estimate) {
+        let configured = self.trim;
+        let Some(learner) = &mut self.learner else {
+            estimate.attitude =
+                Some(Attitude { roll: seen.roll - configured.roll, pitch: seen.pitch - configured.pitch });
+            estimate.sigma = sigma;
+            return;
+        };
+        if estimate.faults.is_empty() {
+            learner.update(level(seen, configured), &frame.aiding, frame.time);
+        }
+        let (learnt, of_trim) = (learner.trim(), learner.sigma());
+        let total = Attitude { roll: configured.roll + learnt.roll, pitch: configured.pitch + learnt.pitch };
+        estimate.attitude = Some(level(seen, total));
+        estimate.sigma = Attitude { roll: sigma.roll.hypot(of_trim.roll), pitch: sigma.pitch.hypot(of_trim.pitch) };
+        estimate.trim = learnt;
+    }
+}
+
+/// Whether a method's trim is learnt; the report's stays as it was published.
+fn learns(method: Method) -> bool {
+    !matches!(method, Method::InverseSine)
 }
 
 /// Whether a fault withholds the attitude; a sensor's does where the method has none without it.

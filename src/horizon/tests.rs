@@ -206,3 +206,47 @@ fn upright_again_after_an_inversion_there_is_one_fault_and_it_ends_once() {
     }
     assert_eq!((changes, f.estimate.mode), (1, Mode::Nominal));
 }
+
+/// Level and straight with GPS, under a head that shows 7° of pitch beyond a configured trim of 2°.
+fn nine_up(learner: Option<Learner>, seconds: u32) -> Flight {
+    let mut f = Flight::new();
+    f.horizon.trim = Attitude::from_degrees(0.0, 2.0);
+    f.horizon.learner = learner;
+    let vertical = Attitude::from_degrees(0.0, 9.0).vertical();
+    for i in 0..seconds * 5 {
+        f.now_s += 0.2;
+        let time = Time::from_secs_f64(f.now_s);
+        let mut frame = Frame::new(6);
+        frame.time = time;
+        for (reading, (_, direction)) in frame.readings.iter_mut().zip(Direction::NAMED) {
+            let object_c = 16.0 - 15.0 * (1.0 + direction.dot(vertical));
+            *reading = Ok(Sample { value: Value::Absolute { object_c, ambient_c: None }, time });
+        }
+        frame.aiding.ground_speed_m_s = Some(18.0);
+        frame.aiding.climb_m_s = Some(0.0);
+        // All round in 180 s: hardly a bank.
+        frame.aiding.course_deg = Some(f64::from(i) * 0.4 % 360.0);
+        f.horizon.update(&frame, &[], &mut f.estimate);
+    }
+    f
+}
+
+#[test]
+fn what_a_configured_trim_leaves_is_learnt_and_taken_off() {
+    let e = nine_up(Some(Learner::default()), 400).estimate;
+    let (pitch, learnt) = (e.attitude.unwrap().pitch.to_degrees(), e.trim.pitch.to_degrees());
+    assert!((learnt - 7.0).abs() < 0.5, "{learnt}");
+    let without = nine_up(None, 400).estimate;
+    let untrimmed = without.attitude.unwrap().pitch.to_degrees();
+    assert!((untrimmed - 7.0).abs() < 0.2 && (pitch - (untrimmed - learnt)).abs() < 0.05, "{untrimmed} {pitch}");
+    assert!(e.sigma.pitch > without.sigma.pitch);
+    assert_eq!(without.trim, Attitude::default());
+}
+
+#[test]
+fn the_report_s_scheme_learns_nothing_nor_does_a_horizon_that_is_told_not_to() {
+    assert!(Flight::new().horizon.learner.is_none());
+    let mut settings = Settings::default();
+    settings.head.learn_trim = false;
+    assert!(Horizon::new(&settings, Head::six()).learner.is_none());
+}

@@ -1,6 +1,7 @@
 //! A message bus of the test's own, and the service on it with a state that the test writes.
 #![allow(dead_code)]
 
+use irhorizon::attitude::Attitude;
 use irhorizon::config::settings::BusAddress;
 use irhorizon::ctl::client::{Client, ClientError};
 use irhorizon::ctl::view::{Endpoint, Status};
@@ -212,6 +213,7 @@ pub fn info() -> ServiceInfo {
         head: Head::new(sensors, vec!["/dev/i2c-1".into()]),
         sensors: vec![info("nose", "mlx90614", 0x5b), info("long", "ads1115", 0x48), info("down", "mlx90614", 0x5a)],
         method: "inverse-sine",
+        trim: Attitude::from_degrees(0.5, -2.0),
         update: Duration::from_millis(100),
         overdue: Duration::from_secs(1),
         frames_header: "time_s,nose_obj_c\n".into(),

@@ -1,0 +1,33 @@
+//! How the head sits on the airframe, learnt in flight from slow references. Pure: time comes with the frame.
+//!
+//! - [`references`]: what GPS and airspeed say: the bank of a coordinated turn, the angle of climb;
+//! - [`prior`]: how much of a difference is the mounting's, and how much no more than the angle of attack;
+//! - [`learner`]: the differences averaged over minutes, and the trim that follows, never by a step.
+//!
+//! The references are slow and coarse: none of them says what the attitude is now, their mean over minutes
+//! says how the head is mounted. Without them there is no trim; with them it stays within limits.
+
+pub mod learner;
+pub mod prior;
+pub mod references;
+
+pub use learner::Learner;
+
+use crate::attitude::Attitude;
+
+/// The attitude of the aircraft on which a head shows `seen`, where the head shows `trim` in level
+/// flight: the vertical turned back about the nose by the trim's roll, then about the left wing by its
+/// pitch. Exact at any attitude, where a difference of angles is not; without a trim, not a bit is changed.
+pub fn level(seen: Attitude, trim: Attitude) -> Attitude {
+    if trim == Attitude::default() {
+        return seen;
+    }
+    let [x, y, z] = seen.vertical();
+    let ((sr, cr), (sp, cp)) = (trim.roll.sin_cos(), trim.pitch.sin_cos());
+    let (left, up) = (y * cr - z * sr, y * sr + z * cr);
+    let (nose, up) = (x * cp - up * sp, x * sp + up * cp);
+    Attitude { roll: left.atan2(up), pitch: nose.atan2(left.hypot(up)) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,214 @@
+//! What GPS and airspeed say of the attitude: the bank of a coordinated turn, the angle of climb.
+
+use crate::frame::Aiding;
+use crate::time::Time;
+use std::f64::consts::{PI, TAU};
+
+/// Standard gravity, m/s².
+const G_M_S2: f64 = 9.806_65;
+/// What flies is faster than this, and nothing is faster than that, m/s.
+const FLYING_M_S: std::ops::Range<f64> = 6.0..200.0;
+/// A speed or course older than this is none, s.
+const FRESH_S: f64 = 3.0;
+/// The shortest and longest time over which a change of course is a rate; the longest from one climb
+/// rate to the next, too. s.
+const SHORTEST_S: f64 = 0.5;
+const LONGEST_S: f64 = 2.5;
+/// The steepest bank that is compared: beyond it turns are seldom level or steady, rad.
+const STEEPEST: f64 = PI / 4.0;
+
+/// How far a single bank is off: sideslip, gusts, a turn that begins or ends (rad), and, as a share of
+/// it, a drift between heading and course, which lets a turn look wider.
+const BANK_SIGMA: f64 = 8_f64.to_radians();
+const BANK_SHARE: f64 = 0.2;
+/// How far a single angle of climb is off: the angle of attack that comes and goes (rad), and air that
+/// rises and sinks (m/s).
+const ATTACK_SIGMA: f64 = 2_f64.to_radians();
+const UPDRAUGHT_M_S: f64 = 1.0;
+/// The share by which a speed is off: an airspeed by its calibration, a ground speed by the wind.
+const AIRSPEED_SHARE: f64 = 0.1;
+const WIND_SHARE: f64 = 0.3;
+
+/// An angle that a reference gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Angle {
+    /// The angle, rad.
+    pub angle: f64,
+    /// How far it may be off by itself (1σ), rad.
+    pub sigma: f64,
+    /// The time for which it stands, s.
+    pub span_s: f64,
+}
+
+/// What came with a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Heard {
+    /// The bank of a coordinated turn, and the mean of the estimated roll over the time of that turn, rad.
+    pub bank: Option<(Angle, f64)>,
+    /// The angle of climb now.
+    pub climb: Option<Angle>,
+    /// The course, rad; `None` while there is none.
+    pub course: Option<f64>,
+}
+
+/// A value with the time when it came.
+type Held = Option<(f64, Time)>;
+
+/// From one course to the next, with the estimated roll in between.
+#[derive(Clone, Copy, Debug)]
+struct Leg {
+    course: f64,
+    began: Time,
+    roll: (f64, Time),
+    /// The integral of roll, rad·s.
+    area: f64,
+}
+
+/// The references, as they come.
+#[derive(Clone, Debug, Default)]
+pub struct References {
+    airspeed: Held,
+    ground_speed: Held,
+    course: Held,
+    climbed: Option<Time>,
+    leg: Option<Leg>,
+}
+
+impl References {
+    /// Takes in what came with a frame for which `roll` (rad) was estimated. Values that cannot be are
+    /// not heard.
+    pub fn hear(&mut self, aiding: &Aiding, roll: f64, now: Time) -> Heard {
+        let speed = |new: Option<f64>| new.filter(|v| (0.0..FLYING_M_S.end).contains(v));
+        let course = aiding.course_deg.filter(|c| c.abs() <= 360.0).map(f64::to_radians);
+        keep(&mut self.airspeed, speed(aiding.airspeed_m_s), now);
+        keep(&mut self.ground_speed, speed(aiding.ground_speed_m_s), now);
+        keep(&mut self.course, course, now);
+        let flying = |held: Held| fresh(held, now).filter(|v| FLYING_M_S.contains(v));
+        let ground_speed = flying(self.ground_speed);
+        let speed = flying(self.airspeed).map(|v| (v, AIRSPEED_SHARE)).or(ground_speed.map(|v| (v, WIND_SHARE)));
+        Heard {
+            bank: self.bank(course, ground_speed, roll, now),
+            climb: self.climb(aiding.climb_m_s, speed, now),
+            course: fresh(self.course, now),
+        }
+    }
+
+    fn climb(&mut self, climb_m_s: Option<f64>, speed: Option<(f64, f64)>, now: Time) -> Option<Angle> {
+        let (climb, (speed, share)) = (climb_m_s?, speed?);
+        let span_s = now.since(self.climbed.replace(now)?);
+        // Steeper than 30° is no flight over minutes.
+        let usable = climb.abs() <= 0.5 * speed && span_s > 0.0 && span_s <= LONGEST_S;
+        let angle = (climb / speed).asin();
+        let sigma = ATTACK_SIGMA.hypot(UPDRAUGHT_M_S / speed).hypot(share * angle);
+        usable.then_some(Angle { angle, sigma, span_s })
+    }
+
+    fn bank(&mut self, course: Option<f64>, speed_m_s: Option<f64>, roll: f64, now: Time) -> Option<(Angle, f64)> {
+        let Some(speed) = speed_m_s else {
+            self.leg = None;
+            return None;
+        };
+        if let Some(leg) = &mut self.leg {
+            let (before, at) = leg.roll;
+            leg.area += 0.5 * (before + roll) * now.since(at);
+            leg.roll = (roll, now);
+        }
+        let span_s = self.leg.map_or(0.0, |leg| now.since(leg.began));
+        if !(0.0..=LONGEST_S).contains(&span_s) {
+            self.leg = None;
+        }
+        let course = course?;
+        let leg = self.leg.filter(|_| span_s >= SHORTEST_S);
+        if leg.is_some() || self.leg.is_none() {
+            self.leg = Some(Leg { course, began: now, roll: (roll, now), area: 0.0 });
+        }
+        let leg = leg?;
+        let bank = (speed * wrapped(course - leg.course) / span_s / G_M_S2).atan();
+        let angle = Angle { angle: bank, sigma: BANK_SIGMA.hypot(BANK_SHARE * bank), span_s };
+        let roll = leg.area / span_s;
+        (bank.abs() < STEEPEST && roll.abs() < STEEPEST).then_some((angle, roll))
+    }
+}
+
+fn keep(held: &mut Held, new: Option<f64>, now: Time) {
+    if let Some(v) = new {
+        *held = Some((v, now));
+    }
+}
+
+fn fresh(held: Held, now: Time) -> Option<f64> {
+    held.filter(|(_, at)| (0.0..FRESH_S).contains(&now.since(*at))).map(|(v, _)| v)
+}
+
+/// Into (−π, π].
+fn wrapped(angle: f64) -> f64 {
+    PI - (PI - angle).rem_euclid(TAU)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each fix a second after the last: course, ground speed, climb.
+    fn heard(fixes: &[(f64, f64, f64)]) -> Vec<Heard> {
+        let mut references = References::default();
+        let hear = |(i, fix): (usize, &(f64, f64, f64))| {
+            let aiding = Aiding {
+                course_deg: Some(fix.0),
+                ground_speed_m_s: Some(fix.1),
+                climb_m_s: Some(fix.2),
+                ..Aiding::default()
+            };
+            references.hear(&aiding, 0.1 * i as f64, Time::from_secs_f64(10.0 + i as f64))
+        };
+        fixes.iter().enumerate().map(hear).collect()
+    }
+
+    #[test]
+    fn a_turn_through_north_has_its_bank_and_the_roll_of_the_same_time() {
+        let said = heard(&[(350.0, 18.0, 0.0), (0.0, 18.0, 0.0), (10.0, 18.0, 0.0)]);
+        assert_eq!(said[0].bank, None);
+        for (h, roll) in said[1..].iter().zip([0.05, 0.15]) {
+            let (bank, mean) = h.bank.unwrap();
+            // tan φ = V·ω/g.
+            assert!((bank.angle.tan() - 18.0 * 10_f64.to_radians() / 9.80665).abs() < 1e-9);
+            assert!((mean - roll).abs() < 1e-9 && bank.span_s == 1.0);
+        }
+        let left = heard(&[(10.0, 18.0, 0.0), (355.0, 18.0, 0.0)]);
+        assert!(left[1].bank.unwrap().0.angle < 0.0);
+    }
+
+    #[test]
+    fn the_climb_is_on_the_airspeed_where_there_is_one() {
+        let mut references = References::default();
+        let mut aiding = Aiding { ground_speed_m_s: Some(10.0), climb_m_s: Some(2.0), ..Aiding::default() };
+        assert_eq!(references.hear(&aiding, 0.0, Time::from_secs_f64(1.0)).climb, None, "it stands for no time");
+        let on = references.hear(&aiding, 0.0, Time::from_secs_f64(2.0)).climb.unwrap();
+        assert!((on.angle.sin() - 0.2).abs() < 1e-9 && on.span_s == 1.0);
+        aiding.airspeed_m_s = Some(20.0);
+        let on = references.hear(&aiding, 0.0, Time::from_secs_f64(3.0)).climb.unwrap();
+        assert!((on.angle.sin() - 0.1).abs() < 1e-9);
+        assert!((3.0..5.0).contains(&on.sigma.to_degrees()));
+    }
+
+    #[test]
+    fn what_cannot_be_says_nothing() {
+        let nothing = [(f64::NAN, 18.0, f64::NAN), (1e300, 18.0, f64::INFINITY), (0.0, f64::NAN, 1e300)];
+        assert!(heard(&nothing).iter().all(|h| h.bank.is_none() && h.climb.is_none()));
+        // On the ground; a course that jumps; a climb that no aircraft has.
+        for fixes in [[(0.0, 2.0, 1.0); 2], [(0.0, 18.0, 12.0), (170.0, 18.0, 12.0)]].map(|f| heard(&f)) {
+            assert!(fixes.iter().all(|h| h.bank.is_none() && h.climb.is_none()), "{fixes:?}");
+        }
+    }
+
+    #[test]
+    fn a_hole_or_a_step_of_time_begins_anew() {
+        let aiding =
+            Aiding { course_deg: Some(5.0), ground_speed_m_s: Some(18.0), climb_m_s: Some(0.0), ..Aiding::default() };
+        let mut references = References::default();
+        for (now_s, speaks) in [(10.0, false), (11.0, true), (15.0, false), (16.0, true), (3.0, false), (4.0, true)] {
+            let heard = references.hear(&aiding, 0.0, Time::from_secs_f64(now_s));
+            assert_eq!((heard.bank.is_some(), heard.climb.is_some()), (speaks, speaks), "{now_s}");
+        }
+    }
+}
