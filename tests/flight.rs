@@ -4,6 +4,7 @@
 
 use irhorizon::attitude::Estimate;
 use irhorizon::config;
+use irhorizon::config::settings::Method;
 use irhorizon::frame::Frame;
 use irhorizon::horizon::Horizon;
 use irhorizon::recording::Recording;
@@ -23,7 +24,8 @@ fn the_report_s_scheme_on_a_real_flight() {
         eprintln!("SKIPPED: there is no recording at {}", path.display());
         return;
     }
-    let settings = config::parse(&[("head.toml".into(), HEAD.into())]).unwrap().settings;
+    let mut settings = config::parse(&[("head.toml".into(), HEAD.into())]).unwrap().settings;
+    settings.estimator.method = Some(Method::InverseSine);
     let mut reader = Recording::open(&path).unwrap().frames(Some(settings.head())).unwrap();
     let mut horizon = Horizon::new(&settings, settings.head());
     let (mut frame, mut estimate) = (Frame::new(3), Estimate::default());

@@ -5,6 +5,7 @@
 //! - [`contrast_vector`]: pairs in any direction, solved for one vector;
 //! - [`field`]: every sensor by itself, the sky estimated together with the attitude;
 //! - [`range`]: the low-pass filter of the adaptive range;
+//! - [`suits`]: which heads each method works with;
 //! - [`vector`], [`normal`], [`noise`]: three components, least squares over directions, and the noise that every σ
 //!   assumes.
 //!
@@ -17,6 +18,7 @@ pub mod noise;
 pub mod normal;
 pub mod profile;
 pub mod range;
+pub mod suits;
 pub mod vector;
 
 pub use field::FieldEstimator;
@@ -43,4 +45,8 @@ pub struct Solution {
 pub trait Estimator: Send {
     /// Takes in a frame, gives what can be said after it.
     fn update(&mut self, frame: &Frame) -> Solution;
+
+    /// The sensors' first-order time constant, s, for methods that make use of it; one that is not
+    /// finite or not in 0..=5 changes nothing.
+    fn set_lag_s(&mut self, _lag_s: f64) {}
 }

@@ -1,41 +1,56 @@
 //! The core put together: a frame goes in, an estimate comes out. The daemon and `replay` run this.
+//!
+//! - `build`: the estimator that the settings ask for;
+//! - [`mounting`]: from the head's axes to the airframe's.
+
+mod build;
+pub mod mounting;
 
 use crate::attitude::{Attitude, Estimate, Mode};
 use crate::config::Settings;
 use crate::config::settings::Method;
-use crate::estimator::{Estimator, InverseSineEstimator};
+use crate::estimator::Estimator;
 use crate::fault::FaultKind;
 use crate::fault::contrast::ContrastDetector;
 use crate::fault::sensors::SensorDetector;
 use crate::frame::{Frame, Missing};
 use crate::head::Head;
+use mounting::Mounting;
 
 /// An estimator beside the fault detectors.
 pub struct Horizon {
     estimator: Box<dyn Estimator>,
     contrast: ContrastDetector,
     sensors: SensorDetector,
-    trim: Attitude,
+    mounting: Mounting,
+    /// The largest roll given, rad; `None` where there is no limit or the method has it built in.
+    roll_limit: Option<f64>,
+    /// The configuration says the sensors' lag.
+    lag_said: bool,
 }
 
 impl Horizon {
     /// For `head` as `settings` say.
     pub fn new(settings: &Settings, head: Head) -> Self {
-        let e = &settings.estimator;
         let f = &settings.faults;
-        let estimator = match e.method {
-            Method::InverseSine => Box::new(InverseSineEstimator::new(
-                head.clone(),
-                settings.head.field_of_view_deg,
-                e.range_time_constant_s,
-                e.roll_limit_deg,
-            )),
-        };
+        let method = settings.estimator.method_for(&head);
+        let built_in = method == Method::InverseSine;
+        let limit_deg = settings.estimator.roll_limit_deg_for(method);
+        let trim = Attitude::from_degrees(settings.head.roll_trim_deg, settings.head.pitch_trim_deg);
         Self {
-            estimator,
+            estimator: build::estimator(settings, method, &head),
+            mounting: if built_in { Mounting::Offset(trim) } else { Mounting::Turned(trim) },
+            roll_limit: (limit_deg > 0.0 && !built_in).then(|| limit_deg.to_radians()),
+            lag_said: settings.head.lag_s.is_some(),
             contrast: ContrastDetector::new(f.low_contrast_c),
             sensors: SensorDetector::new(head, f.lost_after_s, f.back_after_s, f.stale_after_s),
-            trim: Attitude::from_degrees(settings.head.roll_trim_deg, settings.head.pitch_trim_deg),
+        }
+    }
+
+    /// The time constant that the sensors say they have, s; what the configuration says stays.
+    pub fn set_lag_s(&mut self, lag_s: f64) {
+        if !self.lag_said {
+            self.estimator.set_lag_s(lag_s);
         }
     }
 
@@ -58,8 +73,12 @@ impl Horizon {
 
         match solution.attitude {
             Some(a) if trusted => {
-                estimate.attitude = Some(Attitude { roll: a.roll - self.trim.roll, pitch: a.pitch - self.trim.pitch });
-                estimate.sigma = solution.sigma;
+                let body = self.mounting.to_body(a);
+                let roll = self.roll_limit.map_or(body.roll, |limit| body.roll.clamp(-limit, limit));
+                estimate.attitude = Some(Attitude { roll, ..body });
+                // What the limit has taken away is not known any better than that.
+                let sigma = solution.sigma;
+                estimate.sigma = Attitude { roll: sigma.roll.hypot(body.roll - roll), ..sigma };
                 estimate.mode = if estimate.faults.is_empty() { Mode::Nominal } else { Mode::Degraded };
             }
             None if trusted && estimate.faults.is_empty() => return,

@@ -216,6 +216,12 @@ impl FieldEstimator {
 }
 
 impl Estimator for FieldEstimator {
+    fn set_lag_s(&mut self, lag_s: f64) {
+        if (0.0..=5.0).contains(&lag_s) {
+            self.tuning.lag_s = lag_s;
+        }
+    }
+
     fn update(&mut self, frame: &Frame) -> Solution {
         let (readings, Some(now)) = self.readings(frame) else { return Solution::default() };
         let dt_s = self.last.map_or(f64::INFINITY, |(last, _)| now.since(last));
