@@ -43,8 +43,10 @@ pub struct SensorHealth {
     pub integrity: Integrity,
     /// What went well and what did not since start.
     pub counters: Counters,
-    /// The thermal and filter settling that the estimator must know, s; 0 when unknown.
+    /// The time after which a step is shown, by the sensor's filter settings, s; 0 when unknown.
     pub settling_s: f64,
+    /// The time constant of a first-order lag that is late by as much on the mean, s; 0 when unknown.
+    pub lag_s: f64,
     /// Emissivity set in the sensor (MLX90614 cell 0x24), 0..1.
     pub emissivity: Option<f64>,
     /// The chip's identity (MLX90614 cells 0x3C to 0x3F, first cell in the highest 16 bits).

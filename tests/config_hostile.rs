@@ -1,6 +1,7 @@
 //! Configurations that were not written with good will, or not written at all: nothing panics, blocks
 //! or takes long, and whatever is accepted says the same when it is read again.
 
+use irhorizon::config::settings::{EstimatorSettings, HeadSettings, Method};
 use irhorizon::config::{ConfigErrors, Loaded, Settings, load, load_for_replay, parse};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -66,7 +67,10 @@ fn the_shipped_file_is_right_and_its_comments_show_the_defaults() {
     assert_eq!(all.sensors.len(), 7, "the commented ADC channel comes in");
     assert!(all.faults.lamp.is_some());
     assert_eq!((all.rate_hz, all.quiet), (defaults.rate_hz, defaults.quiet));
-    assert_eq!((all.head, all.estimator), (defaults.head, defaults.estimator));
+    assert_eq!((all.head.lag_s, all.estimator.roll_limit_deg), (Some(0.1), Some(0.0)));
+    assert_eq!(all.estimator.method, Some(shipped.settings.method()), "for the six sensors without the channel");
+    let unsaid = EstimatorSettings { method: None, roll_limit_deg: None, ..all.estimator };
+    assert_eq!((HeadSettings { lag_s: None, ..all.head }, unsaid), (defaults.head, defaults.estimator));
     assert_eq!(irhorizon::config::settings::FaultSettings { lamp: None, ..all.faults }, defaults.faults);
     assert_eq!((all.dbus, all.simulation), (defaults.dbus, None));
     assert_eq!((all.mavlink.system_id, all.mavlink.component_id), (1, 191));
@@ -77,8 +81,9 @@ fn defaults_are_those_of_the_manual() {
     let s = parse_one("simulation.enabled = true").unwrap().settings;
     assert_eq!((s.rate_hz, s.quiet), (50.0, Duration::from_millis(1)));
     assert_eq!((s.head.roll_trim_deg, s.head.pitch_trim_deg, s.head.field_of_view_deg), (0.0, 0.0, 90.0));
-    assert_eq!((s.estimator.method.as_str(), s.estimator.range_time_constant_s), ("inverse-sine", 3.0));
-    assert_eq!(s.estimator.roll_limit_deg, 45.0);
+    assert_eq!((s.method().as_str(), s.estimator.range_time_constant_s), ("field", 3.0));
+    let limits_deg = Method::NAMED.map(|(_, m)| s.estimator.roll_limit_deg_for(m));
+    assert_eq!((limits_deg, s.head.lag_s), ([45.0, 0.0, 0.0], None));
     assert_eq!((s.faults.low_contrast_c, s.faults.lost_after_s), (2.0, 0.1));
     assert_eq!((s.faults.back_after_s, s.faults.stale_after_s), (0.1, 0.5));
     assert_eq!(s.dbus.update_hz, 10.0);
@@ -91,12 +96,13 @@ fn defaults_are_those_of_the_manual() {
 
 #[test]
 fn each_number_holds_at_its_limits_and_not_beyond() {
-    let table: [(&str, &str, &[&str], &[&str]); 16] = [
+    let table: [(&str, &str, &[&str], &[&str]); 17] = [
         ("daemon", "rate-hz", &["1", "200", "33.3"], &["0.9", "200.1", "0", "-50"]),
         ("daemon", "quiet-ms", &["0", "20"], &["-0.1", "20.1"]),
         ("head", "roll-trim-deg", &["-45", "45"], &["-45.1", "45.1"]),
         ("head", "pitch-trim-deg", &["-45", "45"], &["-45.1", "45.1"]),
         ("head", "field-of-view-deg", &["5", "150"], &["4.9", "150.1"]),
+        ("head", "lag-s", &["0", "0.03", "5"], &["-0.1", "5.1"]),
         ("estimator", "range-time-constant-s", &["0.1", "60"], &["0.09", "61"]),
         ("estimator", "roll-limit-deg", &["0", "10", "180"], &["-1", "9.9", "180.1"]),
         ("faults", "low-contrast-c", &["0.2", "20"], &["0.1", "21"]),

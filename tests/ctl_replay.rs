@@ -3,7 +3,7 @@
 use irhorizon::attitude::{Attitude, Estimate, Mode};
 use irhorizon::config::Settings;
 use irhorizon::config::settings::{
-    BusAddress, DbusSettings, DeviceSettings, EstimatorSettings, FaultSettings, HeadSettings, MavlinkSettings, Method,
+    BusAddress, DbusSettings, DeviceSettings, EstimatorSettings, FaultSettings, HeadSettings, MavlinkSettings,
     Mlx90614Settings, OnFault, PecPolicy, SensorSettings,
 };
 use irhorizon::ctl::kit::{DaemonError, Kit, Pipeline};
@@ -21,8 +21,8 @@ fn settings() -> Settings {
         rate_hz: 50.0,
         quiet: Duration::ZERO,
         sensors: Vec::new(),
-        head: HeadSettings { roll_trim_deg, pitch_trim_deg, learn_trim, field_of_view_deg },
-        estimator: EstimatorSettings { method: Method::InverseSine, range_time_constant_s: 3.0, roll_limit_deg: 0.0 },
+        head: HeadSettings { roll_trim_deg, pitch_trim_deg, learn_trim, field_of_view_deg, lag_s: None },
+        estimator: EstimatorSettings { method: None, range_time_constant_s: 3.0, roll_limit_deg: None },
         faults: FaultSettings {
             on_fault: OnFault::Withhold,
             low_contrast_c: 3.0,

@@ -128,6 +128,7 @@ fn a_client_sees_the_whole_state_with_the_sensors_in_order() {
         ];
         let counters = Counters { reads: 100, bad_pec: 3, ..Counters::default() };
         s.health[0] = SensorHealth {
+            lag_s: 0.1,
             integrity: Integrity::SoftwarePec,
             counters,
             settling_s: 0.31,

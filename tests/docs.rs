@@ -109,6 +109,7 @@ fn plain() -> String {
 /// Every key that has none besides.
 const REST: &str = "[[sensor]]\nname = \"long\"\ndirection = { azimuth-deg = 45.0, elevation-deg = 1.0 }\n\
                     power = { chip = \"a\", line = 2 }\n[faults]\nlamp = { chip = \"a\", line = 3 }\n\
+                    [head]\nlag-s = 0.2\n[estimator]\nmethod = \"profile\"\nroll-limit-deg = 60\n\
                     [[mavlink.endpoint]]\naddress = \"udpout:127.0.0.1:14550\"\nattitude-hz = 5\n";
 
 #[test]
@@ -127,7 +128,9 @@ fn defaults_are_those_of_the_parser() {
     let values = keys(&loaded(&[&plain()]).text);
     let off = keys(&loaded(&[&six()]).text);
     for (section, key, default, _) in rows() {
-        if ["required", "none", "by its name", "every scan"].contains(&default.as_str()) {
+        if ["required", "none", "by its name", "by the sensors", "by the head", "by the method", "every scan"]
+            .contains(&default.as_str())
+        {
             continue;
         }
         let from = if key == "enabled" { &off } else { &values };
@@ -217,6 +220,7 @@ impl Stage {
         fs::write(dir.join("irhorizon.toml"), &example).unwrap();
         fs::write(dir.join("fast.toml"), example.replace("#rate-hz = 50 ", "rate-hz = 100")).unwrap();
         fs::write(dir.join("strict.toml"), "[faults]\nlow-contrast-c = 5.0\n[simulation]\nenabled = true\n").unwrap();
+        fs::write(dir.join("profile.toml"), "[estimator]\nmethod = \"profile\"\n").unwrap();
         fs::write(dir.join("flight.csv"), blocks(&page("docs/recording.md"), "csv").concat()).unwrap();
         fs::write(dir.join("turn.csv"), page("tests/golden/score/flight.csv")).unwrap();
         let to = receiver.local_addr().unwrap();

@@ -2,7 +2,7 @@
 //! mounted head: the angle of attack is 2.5°, and there is nothing to learn.
 
 use irhorizon::attitude::Attitude;
-use irhorizon::estimator::field::tune::Tuning;
+use irhorizon::estimator::field::Tuning;
 use irhorizon::estimator::trim::{Learner, level};
 use irhorizon::estimator::{Estimator, FieldEstimator, ProfileEstimator};
 use irhorizon::frame::Frame;

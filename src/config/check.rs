@@ -2,7 +2,7 @@
 
 use super::section::Findings;
 use super::sensor::{Read, Sensors};
-use super::settings::{DeviceSettings, LineSettings, Settings};
+use super::settings::{DeviceSettings, LineSettings, Method, Settings};
 use super::source::Place;
 use crate::direction::Direction;
 
@@ -132,8 +132,10 @@ fn lines(settings: &Settings, sensors: &Sensors<'_>, lamp: Place, findings: &Fin
 pub fn warnings(settings: &Settings) -> Vec<String> {
     let mut warnings = Vec::new();
     let head = settings.head();
+    // `field` uses every sensor by itself.
+    let in_pairs = settings.method() != Method::Field;
     for (i, s) in head.sensors.iter().enumerate() {
-        if !head.pairs.iter().any(|p| p.uses(i)) {
+        if in_pairs && !head.pairs.iter().any(|p| p.uses(i)) {
             warnings.push(format!("sensor \"{}\": no sensor looks the opposite way, so nothing uses it", s.name));
         }
         if Direction::named(&s.name).is_some_and(|d| d.dot(s.direction.components()) < 0.999) {

@@ -1,8 +1,8 @@
 //! What holds for everything that the configuration does not say.
 
 use super::settings::{
-    BusAddress, DbusSettings, EstimatorSettings, FaultSettings, HeadSettings, MavlinkSettings, Method, OnFault,
-    Settings, SimulationSettings, SkyName,
+    BusAddress, DbusSettings, EstimatorSettings, FaultSettings, HeadSettings, MavlinkSettings, OnFault, Settings,
+    SimulationSettings, SkyName,
 };
 use std::time::Duration;
 
@@ -13,12 +13,14 @@ impl Default for Settings {
             rate_hz: 50.0,
             quiet: Duration::from_millis(1),
             sensors: Vec::new(),
-            head: HeadSettings { roll_trim_deg: 0.0, pitch_trim_deg: 0.0, learn_trim: true, field_of_view_deg: 90.0 },
-            estimator: EstimatorSettings {
-                method: Method::InverseSine,
-                range_time_constant_s: 3.0,
-                roll_limit_deg: 45.0,
+            head: HeadSettings {
+                roll_trim_deg: 0.0,
+                pitch_trim_deg: 0.0,
+                learn_trim: true,
+                field_of_view_deg: 90.0,
+                lag_s: None,
             },
+            estimator: EstimatorSettings { method: None, range_time_constant_s: 3.0, roll_limit_deg: None },
             faults: FaultSettings {
                 on_fault: OnFault::Withhold,
                 low_contrast_c: 2.0,

@@ -6,6 +6,7 @@
 //! - `section`, `validate`, `sensor`, `endpoint`, `check`, `axes`: the settings out of the tables, every
 //!   mistake noted; `nearest`: what was probably meant.
 //! - `error`: mistakes as the user reads them.
+//! - `method`: the methods of estimation, and which suits a head.
 //! - [`settings`]: what comes out at the end, every value in range; `default`: what holds unsaid.
 //! - `show`: settings written out again; `change`: what differs between two.
 
@@ -17,6 +18,7 @@ mod endpoint;
 mod error;
 mod file;
 mod merge;
+mod method;
 mod nearest;
 mod raw;
 mod section;
@@ -87,7 +89,8 @@ fn build(sources: &[Source], needs_sensors: bool) -> Result<Loaded, ConfigErrors
     let lamp = raw::place(&root, &["faults", "lamp"]).unwrap_or_default();
     check::check(&settings, &sensors, lamp, &findings);
     if sensors.complete && !sensors.good.is_empty() {
-        axes::check(&settings, &sensors, &findings);
+        let said = raw::place(&root, &["estimator", "method"]);
+        axes::check(&settings, &sensors, said, &findings);
     }
     error::check(findings.finish(), sources)?;
     let files = sources.iter().map(|s| s.name.clone()).collect();

@@ -1,5 +1,7 @@
 //! The validated configuration: every value in range, every name resolved.
 
+pub use super::method::Method;
+
 use crate::direction::Direction;
 use crate::head::{Head, Sensor, SensorKind};
 use std::net::SocketAddr;
@@ -56,6 +58,11 @@ impl Settings {
             })
             .collect();
         Head::new(sensors, buses)
+    }
+
+    /// The method of estimation for these sensors.
+    pub fn method(&self) -> Method {
+        self.estimator.method_for(&self.head())
     }
 }
 
@@ -204,37 +211,37 @@ pub struct HeadSettings {
     pub learn_trim: bool,
     /// The sensors' full field of view between half-power points, °: 5 to 150.
     pub field_of_view_deg: f64,
+    /// The sensors' first-order time constant, s: 0 to 5. `None`: what their registers say, and where
+    /// they say nothing [`HeadSettings::UNSAID_LAG_S`].
+    pub lag_s: Option<f64>,
 }
 
-/// A method of estimation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// The report's scheme.
-    InverseSine,
-}
-
-impl Method {
-    /// All methods with the names that configuration and D-Bus spell them by.
-    pub const NAMED: [(&'static str, Self); 1] = [("inverse-sine", Self::InverseSine)];
-
-    /// The method's name.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::InverseSine => "inverse-sine",
-        }
-    }
+impl HeadSettings {
+    /// The time constant of sensors of which nobody says anything, s.
+    pub const UNSAID_LAG_S: f64 = 0.1;
 }
 
 /// `[estimator]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EstimatorSettings {
-    /// Which method.
-    pub method: Method,
+    /// Which method; `None`: [`Method::usual`] for the head.
+    pub method: Option<Method>,
     /// The time constant of the range's low-pass filter, s: 0.1 to 60.
     pub range_time_constant_s: f64,
-    /// The largest roll given, °; 0 = no limit. 45 in the report, and for `inverse-sine` when the
-    /// configuration does not say.
-    pub roll_limit_deg: f64,
+    /// The largest roll given, °; 0 = no limit. `None`: [`Method::usual_roll_limit_deg`].
+    pub roll_limit_deg: Option<f64>,
+}
+
+impl EstimatorSettings {
+    /// The method for `head`: the chosen one, or the usual one.
+    pub fn method_for(&self, head: &Head) -> Method {
+        self.method.unwrap_or_else(|| Method::usual(head))
+    }
+
+    /// The limit of roll for `method`, °, 0 = none: the chosen one, or the method's own.
+    pub fn roll_limit_deg_for(&self, method: Method) -> f64 {
+        self.roll_limit_deg.unwrap_or(method.usual_roll_limit_deg())
+    }
 }
 
 /// What ATTITUDE does while it must not be trusted.

@@ -1,8 +1,11 @@
 //! Settings written out as TOML, every default included: reading it gives the same settings.
+//!
+//! A default that hangs on other settings, or on the sensors, is written as a comment, so that it goes
+//! with them when they change.
 
 use super::settings::{
-    AdcInput, Ads1115Settings, BusAddress, DeviceSettings, EndpointAddress, LineSettings, Mlx90614Settings, PecPolicy,
-    SensorSettings, Settings, SkyName,
+    AdcInput, Ads1115Settings, BusAddress, DeviceSettings, EndpointAddress, HeadSettings, LineSettings, Method,
+    Mlx90614Settings, PecPolicy, SensorSettings, Settings, SkyName,
 };
 use crate::direction::Direction;
 use std::fmt::{Display, Write};
@@ -22,10 +25,12 @@ pub fn show(settings: &Settings) -> String {
     out.set("pitch-trim-deg", head.pitch_trim_deg);
     out.set("learn-trim", head.learn_trim);
     out.set("field-of-view-deg", head.field_of_view_deg);
+    out.set_or("lag-s", head.lag_s, HeadSettings::UNSAID_LAG_S);
     out.header("[estimator]");
-    out.set("method", string(estimator.method.as_str()));
+    let (method, usual) = (settings.method(), Method::usual(&settings.head()));
+    out.set_or("method", estimator.method.map(|m| string(m.as_str())), string(usual.as_str()));
     out.set("range-time-constant-s", estimator.range_time_constant_s);
-    out.set("roll-limit-deg", estimator.roll_limit_deg);
+    out.set_or("roll-limit-deg", estimator.roll_limit_deg, method.usual_roll_limit_deg());
     out.header("[faults]");
     out.set("on-fault", string("withhold"));
     out.set("low-contrast-c", faults.low_contrast_c);
@@ -124,6 +129,14 @@ impl Out {
     fn set(&mut self, key: &str, value: impl Display) {
         // Writing to a String does not fail.
         let _ = writeln!(self.0, "{key} = {value}");
+    }
+
+    /// What was chosen, or as a comment what holds unsaid.
+    fn set_or<T: Display>(&mut self, key: &str, chosen: Option<T>, unsaid: T) {
+        match chosen {
+            Some(value) => self.set(key, value),
+            None => self.set(&format!("#{key}"), unsaid),
+        }
     }
 
     fn line(&mut self, key: &str, line: Option<&LineSettings>) {

@@ -45,6 +45,7 @@ fn head(mut s: Section<'_>, d: HeadSettings) -> HeadSettings {
         pitch_trim_deg: s.range("pitch-trim-deg", -45.0, 45.0, "°").unwrap_or(d.pitch_trim_deg),
         learn_trim: s.boolean("learn-trim").unwrap_or(d.learn_trim),
         field_of_view_deg: s.range("field-of-view-deg", 5.0, 150.0, "°").unwrap_or(d.field_of_view_deg),
+        lag_s: s.range("lag-s", 0.0, 5.0, " s").or(d.lag_s),
     };
     s.finish();
     settings
@@ -52,11 +53,11 @@ fn head(mut s: Section<'_>, d: HeadSettings) -> HeadSettings {
 
 fn estimator(mut s: Section<'_>, d: EstimatorSettings) -> EstimatorSettings {
     let settings = EstimatorSettings {
-        method: s.choice("method", &Method::NAMED, &["field", "profile"]).unwrap_or(d.method),
+        method: s.choice("method", &Method::NAMED, &[]).or(d.method),
         range_time_constant_s: s.range("range-time-constant-s", 0.1, 60.0, " s").unwrap_or(d.range_time_constant_s),
         roll_limit_deg: s
             .number("roll-limit-deg", "0 (no limit) or 10 to 180°", |v| v == 0.0 || (10.0..=180.0).contains(&v))
-            .unwrap_or(d.roll_limit_deg),
+            .or(d.roll_limit_deg),
     };
     s.finish();
     settings

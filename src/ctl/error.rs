@@ -95,10 +95,12 @@ pub enum CtlError {
         recording: PathBuf,
     },
     /// A method that the head does not allow.
-    #[error("method {method} needs absolute thermopiles, and this head has pairs; see --method all")]
+    #[error("method {method} needs {needs}, and this head has not; see --method all")]
     MethodNotAllowed {
         /// The method.
         method: &'static str,
+        /// What it needs.
+        needs: &'static str,
     },
     /// A file cannot be written.
     #[error("writing {path} failed{}", kept(*.rows))]

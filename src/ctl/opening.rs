@@ -6,7 +6,7 @@ use super::recording_args::RecordingArgs;
 use crate::attitude::{Attitude, Estimate};
 use crate::config::Settings;
 use crate::config::settings::Method;
-use crate::head::{Head, SensorKind};
+use crate::head::Head;
 use crate::recording::{Reader, Recording};
 use crate::time::Time;
 use std::fs::{self, File};
@@ -61,22 +61,17 @@ pub fn tell_tally(reader: &Reader<BufReader<File>>, err: &mut dyn Write) {
     }
 }
 
-/// The settings with another method. The limit of roll goes with it where it is the one that holds
-/// unsaid: 45° for the report's scheme, none for the others.
+/// The settings with another method. A limit of roll that was not chosen is the new method's.
 pub fn with_method(settings: &Settings, method: Method) -> Settings {
-    let unsaid_deg = |m: Method| if m == Method::InverseSine { 45.0 } else { 0.0 };
     let mut settings = settings.clone();
-    let e = &mut settings.estimator;
-    if e.roll_limit_deg == unsaid_deg(e.method) {
-        e.roll_limit_deg = unsaid_deg(method);
-    }
-    e.method = method;
+    settings.estimator.method = Some(method);
     settings
 }
 
-/// Whether `method` works on `head`: the six temperatures of `field` are not to be had from pairs.
-pub fn allows(head: &Head, method: Method) -> bool {
-    method.as_str() != "field" || head.sensors.iter().all(|s| s.kind == SensorKind::Absolute)
+/// `method`, where it works on `head`.
+pub fn allowed(head: &Head, method: Method) -> Result<Method, CtlError> {
+    let refusal = CtlError::MethodNotAllowed { method: method.as_str(), needs: method.needs() };
+    if method.suits(head) { Ok(method) } else { Err(refusal) }
 }
 
 /// Tells new estimates from those that a frame left as they were.
@@ -113,11 +108,30 @@ mod tests {
 
     #[test]
     fn a_limit_that_was_chosen_stays_with_any_method() {
-        for (_, method) in Method::NAMED {
+        let limit_deg = |chosen, method| {
             let mut settings = Settings::default();
-            settings.estimator.roll_limit_deg = 60.0;
+            settings.estimator.roll_limit_deg = chosen;
             let changed = with_method(&settings, method);
-            assert_eq!((changed.estimator.method, changed.estimator.roll_limit_deg), (method, 60.0));
+            assert_eq!(changed.method(), method);
+            changed.estimator.roll_limit_deg_for(changed.method())
+        };
+        for (name, method) in Method::NAMED {
+            for chosen in [0.0, 45.0, 60.0] {
+                assert_eq!(limit_deg(Some(chosen), method), chosen);
+            }
+            assert_eq!(limit_deg(None, method), if name == "inverse-sine" { 45.0 } else { 0.0 });
         }
+    }
+
+    #[test]
+    fn a_method_needs_its_sensors() {
+        let mut head = Head::six();
+        for (_, method) in Method::NAMED {
+            assert_eq!(allowed(&head, method).ok(), Some(method));
+        }
+        head = Head::new(head.sensors[..5].to_vec(), Vec::new());
+        assert!(allowed(&head, Method::Field).is_ok() && allowed(&head, Method::Profile).is_err());
+        let error = allowed(&head, Method::InverseSine).unwrap_err().to_string();
+        assert!(error.contains("vertical pair"), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::error::CtlError;
 use super::kit::Kit;
-use super::opening::{Fresh, Opened, allows, create, open, tell_tally, with_method};
+use super::opening::{Fresh, Opened, allowed, create, open, tell_tally, with_method};
 use super::recording_args::{PlotArgs, PlotCommand};
 use super::run::print;
 use super::score::statistics::{Errors, Said, Score, Truth, wrapped};
@@ -83,10 +83,7 @@ fn replay(args: &PlotArgs, kit: &Kit, err: &mut dyn Write, mut show: impl FnMut(
     let Opened { mut settings, mut reader } = open(&args.recording, kit, err)?;
     let head = reader.head().clone();
     if let Some(method) = args.method {
-        if !allows(&head, method) {
-            return Err(CtlError::MethodNotAllowed { method: method.as_str() });
-        }
-        settings = with_method(&settings, method);
+        settings = with_method(&settings, allowed(&head, method)?);
     }
     let mut pipeline = (kit.pipeline)(&settings, &head);
     let (mut frame, mut estimate, mut fresh) = (Frame::default(), Estimate::default(), Fresh::default());
@@ -105,7 +102,7 @@ fn replay(args: &PlotArgs, kit: &Kit, err: &mut dyn Write, mut show: impl FnMut(
         }
     }
     tell_tally(&reader, err);
-    let method = format!("method {}", settings.estimator.method.as_str());
+    let method = format!("method {}", settings.estimator.method_for(&head).as_str());
     Ok(Pass { method, head, lacks_reference: reader.lacks_reference(), times_s })
 }
 

@@ -100,7 +100,7 @@ impl Running {
             env!("CARGO_PKG_VERSION"),
             settings.head().sensors.len(),
             settings.rate_hz,
-            settings.estimator.method.as_str()
+            settings.method().as_str()
         );
         let sampling = Some(sample(settings, &shared, &taps)?);
         {

@@ -11,7 +11,7 @@ use crate::gpio::output::OutputLine;
 use crate::head::Head;
 use crate::horizon::Horizon;
 use crate::recording::{Taps, Writer};
-use crate::source::FrameSource;
+use crate::source::{FrameSource, SensorHealth};
 use crate::state::Shared;
 use crate::time::Time;
 use std::sync::Arc;
@@ -31,6 +31,7 @@ pub struct Sampling {
     log: FaultLog,
     line: String,
     rate: RateMeter,
+    lag_s: Option<f64>,
 }
 
 impl Sampling {
@@ -53,6 +54,7 @@ impl Sampling {
             writer: Writer::new(&head, ""),
             line: String::with_capacity(1024),
             rate: RateMeter::default(),
+            lag_s: None,
             source,
             horizon,
             head,
@@ -80,6 +82,11 @@ impl Sampling {
     /// One round, begun at `tick`.
     pub fn step(&mut self, tick: Time) {
         self.source.scan(tick, &mut self.frame);
+        let lag_s = lag_s(self.source.health());
+        if lag_s != self.lag_s {
+            self.lag_s = lag_s;
+            lag_s.into_iter().for_each(|lag_s| self.horizon.set_lag_s(lag_s));
+        }
         self.horizon.update(&self.frame, self.source.buses_down(), &mut self.estimate);
         let rate_hz = self.rate.update(self.frame.time);
         self.shared.update(|s| {
@@ -115,6 +122,13 @@ impl Sampling {
     }
 }
 
+/// The mean time constant of the sensors that say theirs, s.
+fn lag_s(health: &[SensorHealth]) -> Option<f64> {
+    let (sum, count) =
+        health.iter().filter(|h| h.lag_s > 0.0).fold((0.0, 0.0), |(sum, count), h| (sum + h.lag_s, count + 1.0));
+    (count > 0.0).then(|| sum / count)
+}
+
 /// Frames a second, over the last second or so.
 #[derive(Clone, Copy, Debug, Default)]
 struct RateMeter {
@@ -144,6 +158,14 @@ impl RateMeter {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_lag_is_that_of_the_sensors_that_say_it() {
+        let with = |lag_s| SensorHealth { lag_s, ..SensorHealth::default() };
+        assert_eq!(lag_s(&[]), None);
+        assert_eq!(lag_s(&[with(0.0), with(0.0)]), None);
+        assert_eq!(lag_s(&[with(0.25), with(0.0), with(0.75)]), Some(0.5));
+    }
 
     #[test]
     fn the_rate_is_that_of_the_frames() {

@@ -67,10 +67,10 @@ impl ServiceInfo {
         });
         let sensors = sensors.collect();
         Self {
-            head,
             sensors,
-            method: settings.estimator.method.as_str(),
             trim: Attitude::from_degrees(settings.head.roll_trim_deg, settings.head.pitch_trim_deg),
+            method: settings.estimator.method_for(&head).as_str(),
+            head,
             update: seconds(1.0 / settings.dbus.update_hz),
             overdue: seconds(settings.faults.stale_after_s + 2.0 / settings.rate_hz),
             frames_header,

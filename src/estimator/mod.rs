@@ -6,6 +6,7 @@
 //! - [`field`]: every sensor by itself, the sky estimated together with the attitude;
 //! - [`trim`]: how the head is mounted, learnt in flight from slow references;
 //! - [`range`]: the low-pass filter of the adaptive range;
+//! - [`suits`]: which heads each method works with;
 //! - [`vector`], [`normal`], [`noise`]: three components, least squares over directions, and the noise that every σ
 //!   assumes.
 //!
@@ -18,6 +19,7 @@ pub mod noise;
 pub mod normal;
 pub mod profile;
 pub mod range;
+pub mod suits;
 pub mod trim;
 pub mod vector;
 
@@ -45,4 +47,11 @@ pub struct Solution {
 pub trait Estimator: Send {
     /// Takes in a frame, gives what can be said after it.
     fn update(&mut self, frame: &Frame) -> Solution;
+
+    /// The roll and pitch that the head shows in level flight: how body rates lie to its axes.
+    fn set_trim(&mut self, _trim: Attitude) {}
+
+    /// The sensors' first-order time constant, s, for methods that make use of it; one that is not
+    /// finite or not in 0..=5 changes nothing.
+    fn set_lag_s(&mut self, _lag_s: f64) {}
 }

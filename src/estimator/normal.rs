@@ -14,7 +14,11 @@ pub struct Normal([Vector; 3]);
 impl Normal {
     /// Takes in one direction.
     pub fn add(&mut self, direction: Direction) {
-        let b = direction.components();
+        self.add_vector(direction.components());
+    }
+
+    /// Takes in a vector of any length.
+    pub fn add_vector(&mut self, b: Vector) {
         for (row, r) in self.0.iter_mut().zip(b) {
             for (entry, c) in row.iter_mut().zip(b) {
                 *entry += r * c;

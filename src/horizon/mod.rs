@@ -1,22 +1,33 @@
 //! The core put together: a frame goes in, an estimate comes out. The daemon and `replay` run this.
+//!
+//! - `build`: the estimator that the settings ask for;
+//! - [`mounting`]: from the head's axes to the airframe's.
+
+mod build;
+pub mod mounting;
 
 use crate::attitude::{Attitude, Estimate, Mode};
 use crate::config::Settings;
 use crate::config::settings::Method;
-use crate::estimator::trim::{Learner, level};
-use crate::estimator::{Estimator, InverseSineEstimator};
+use crate::estimator::Estimator;
+use crate::estimator::trim::Learner;
 use crate::fault::FaultKind;
 use crate::fault::contrast::ContrastDetector;
 use crate::fault::sensors::SensorDetector;
 use crate::frame::{Frame, Missing};
 use crate::head::Head;
+use mounting::Mounting;
 
 /// An estimator beside the fault detectors.
 pub struct Horizon {
     estimator: Box<dyn Estimator>,
     contrast: ContrastDetector,
     sensors: SensorDetector,
-    trim: Attitude,
+    mounting: Mounting,
+    /// The largest roll given, rad; `None` where there is no limit or the method has it built in.
+    roll_limit: Option<f64>,
+    /// The configuration says the sensors' lag.
+    lag_said: bool,
     /// What the configured trim leaves; `None` where that is not to be learnt.
     learner: Option<Learner>,
 }
@@ -24,22 +35,28 @@ pub struct Horizon {
 impl Horizon {
     /// For `head` as `settings` say.
     pub fn new(settings: &Settings, head: Head) -> Self {
-        let e = &settings.estimator;
         let f = &settings.faults;
-        let estimator = match e.method {
-            Method::InverseSine => Box::new(InverseSineEstimator::new(
-                head.clone(),
-                settings.head.field_of_view_deg,
-                e.range_time_constant_s,
-                e.roll_limit_deg,
-            )),
-        };
+        let method = settings.estimator.method_for(&head);
+        let built_in = method == Method::InverseSine;
+        let limit_deg = settings.estimator.roll_limit_deg_for(method);
+        let trim = Attitude::from_degrees(settings.head.roll_trim_deg, settings.head.pitch_trim_deg);
+        let mut estimator = build::estimator(settings, method, &head);
+        estimator.set_trim(trim);
         Self {
             estimator,
+            mounting: if built_in { Mounting::Offset(trim) } else { Mounting::Turned(trim) },
+            roll_limit: (limit_deg > 0.0 && !built_in).then(|| limit_deg.to_radians()),
+            lag_said: settings.head.lag_s.is_some(),
             contrast: ContrastDetector::new(f.low_contrast_c),
             sensors: SensorDetector::new(head, f.lost_after_s, f.back_after_s, f.stale_after_s),
-            trim: Attitude::from_degrees(settings.head.roll_trim_deg, settings.head.pitch_trim_deg),
-            learner: (settings.head.learn_trim && learns(e.method)).then(Learner::default),
+            learner: (settings.head.learn_trim && !built_in).then(Learner::default),
+        }
+    }
+
+    /// The time constant that the sensors say they have, s; what the configuration says stays.
+    pub fn set_lag_s(&mut self, lag_s: f64) {
+        if !self.lag_said {
+            self.estimator.set_lag_s(lag_s);
         }
     }
 
@@ -76,29 +93,26 @@ impl Horizon {
         estimate.time = frame.sample_time().unwrap_or(estimate.time);
     }
 
-    /// Trims `seen`, and learns from it where nothing speaks against it.
+    /// Takes the mounting off `seen`, learns of it where nothing speaks against that, and limits roll.
     fn publish(&mut self, seen: Attitude, sigma: Attitude, frame: &Frame, estimate: &mut Estimate) {
-        let configured = self.trim;
-        let Some(learner) = &mut self.learner else {
-            estimate.attitude =
-                Some(Attitude { roll: seen.roll - configured.roll, pitch: seen.pitch - configured.pitch });
-            estimate.sigma = sigma;
-            return;
-        };
-        if estimate.faults.is_empty() {
-            learner.update(level(seen, configured), &frame.aiding, frame.time);
+        let (mut mounting, mut sigma) = (self.mounting, sigma);
+        if let (Some(learner), Mounting::Turned(configured)) = (&mut self.learner, self.mounting) {
+            if estimate.faults.is_empty() {
+                learner.update(mounting.to_body(seen), &frame.aiding, frame.time);
+            }
+            let (learnt, of_trim) = (learner.trim(), learner.sigma());
+            let total = Attitude { roll: configured.roll + learnt.roll, pitch: configured.pitch + learnt.pitch };
+            mounting = Mounting::Turned(total);
+            self.estimator.set_trim(total);
+            sigma = Attitude { roll: sigma.roll.hypot(of_trim.roll), pitch: sigma.pitch.hypot(of_trim.pitch) };
+            estimate.trim = learnt;
         }
-        let (learnt, of_trim) = (learner.trim(), learner.sigma());
-        let total = Attitude { roll: configured.roll + learnt.roll, pitch: configured.pitch + learnt.pitch };
-        estimate.attitude = Some(level(seen, total));
-        estimate.sigma = Attitude { roll: sigma.roll.hypot(of_trim.roll), pitch: sigma.pitch.hypot(of_trim.pitch) };
-        estimate.trim = learnt;
+        let body = mounting.to_body(seen);
+        let roll = self.roll_limit.map_or(body.roll, |limit| body.roll.clamp(-limit, limit));
+        estimate.attitude = Some(Attitude { roll, ..body });
+        // What the limit has taken away is not known any better than that.
+        estimate.sigma = Attitude { roll: sigma.roll.hypot(body.roll - roll), ..sigma };
     }
-}
-
-/// Whether a method's trim is learnt; the report's stays as it was published.
-fn learns(method: Method) -> bool {
-    !matches!(method, Method::InverseSine)
 }
 
 /// Whether a fault withholds the attitude; a sensor's does where the method has none without it.

@@ -4,6 +4,12 @@ use crate::direction::Direction;
 use crate::frame::{Sample, Value};
 use crate::time::Time;
 
+fn by(method: Method) -> Settings {
+    let mut settings = Settings::default();
+    settings.estimator.method = Some(method);
+    settings
+}
+
 /// A head under a sinusoidal sky: what its frames give, 50 a second.
 struct Flight {
     horizon: Horizon,
@@ -12,9 +18,17 @@ struct Flight {
 }
 
 impl Flight {
+    /// By the report's scheme, which needs every sensor.
     fn new() -> Self {
-        let settings = Settings::default();
-        Self { horizon: Horizon::new(&settings, Head::six()), estimate: Estimate::default(), now_s: 100.0 }
+        Self::by(Method::InverseSine)
+    }
+
+    fn by(method: Method) -> Self {
+        Self::with(&by(method))
+    }
+
+    fn with(settings: &Settings) -> Self {
+        Self { horizon: Horizon::new(settings, Head::six()), estimate: Estimate::default(), now_s: 100.0 }
     }
 
     /// The next frame: `contrast_k` at level, `missing` by sensor.
@@ -178,15 +192,75 @@ fn a_bus_that_is_down_is_one_fault_not_one_a_sensor() {
 
 #[test]
 fn trims_are_taken_off() {
-    let mut settings = Settings::default();
+    let mut settings = by(Method::InverseSine);
     settings.head.roll_trim_deg = 3.0;
     settings.head.pitch_trim_deg = -2.0;
-    let mut f = Flight::new();
-    f.horizon = Horizon::new(&settings, Head::six());
+    let mut f = Flight::with(&settings);
     let a = f.fly(10.0, 30.0, &[]).attitude.unwrap();
     // The range was learnt in that bank: asin(tan 10°).
     let expected = 10.0_f64.to_radians().tan().asin().to_degrees() - 3.0;
     assert!((a.roll.to_degrees() - expected).abs() < 0.05 && (a.pitch.to_degrees() - 2.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_other_methods_know_how_the_head_sits() {
+    for method in [Method::Profile, Method::Field] {
+        let mut settings = by(method);
+        settings.head.roll_trim_deg = 30.0;
+        settings.head.pitch_trim_deg = 0.0;
+        let trimmed = Flight::with(&settings).for_s(1.0, 30.0, 30.0, &[]).attitude.unwrap();
+        assert!(trimmed.roll.abs() < 0.06 && trimmed.pitch.abs() < 0.02, "{method:?}: {trimmed:?}");
+        settings.head.pitch_trim_deg = 20.0;
+        let turned = Flight::with(&settings).for_s(1.0, 30.0, 30.0, &[]).attitude.unwrap();
+        // What is 20° nose up on the head is level: the airframe's nose is down by them.
+        assert!(turned.roll.abs() < 0.06 && (turned.pitch.to_degrees() + 20.0).abs() < 1.0, "{method:?}: {turned:?}");
+    }
+}
+
+#[test]
+fn roll_is_limited_where_that_is_chosen_and_its_sigma_owns_up() {
+    for method in [Method::Profile, Method::Field] {
+        let roll = |limit_deg| {
+            let mut settings = by(method);
+            settings.estimator.roll_limit_deg = limit_deg;
+            let mut f = Flight::with(&settings);
+            let e = f.for_s(1.0, 60.0, 30.0, &[]);
+            (e.attitude.unwrap().roll.to_degrees(), e.sigma.roll.to_degrees())
+        };
+        let (free, _) = roll(None);
+        assert!((free - 60.0).abs() < 8.0, "{method:?}: {free}");
+        let (limited, sigma) = roll(Some(45.0));
+        assert!((limited - 45.0).abs() < 1e-9 && sigma > free - 45.1, "{method:?}: {limited} ± {sigma}");
+    }
+}
+
+#[test]
+fn field_goes_on_without_a_sensor_that_is_lost() {
+    let mut f = Flight::by(Method::Field);
+    f.for_s(2.0, 20.0, 30.0, &[]);
+    let e = f.for_s(1.0, 20.0, 30.0, &[(2, Missing::NoAnswer)]).clone();
+    assert_eq!((e.mode, f.kinds()), (Mode::Degraded, vec![FaultKind::SensorLost(2)]));
+    assert!((e.attitude.unwrap().roll.to_degrees() - 20.0).abs() < 3.0, "{e:?}");
+}
+
+#[test]
+fn the_sensors_say_their_lag_where_the_configuration_does_not() {
+    let rolls = |said: Option<f64>, told: Option<f64>| {
+        let mut settings = by(Method::Field);
+        settings.head.lag_s = said;
+        let mut f = Flight::with(&settings);
+        told.into_iter().for_each(|lag_s| f.horizon.set_lag_s(lag_s));
+        f.for_s(1.0, 0.0, 30.0, &[]);
+        (0..25).map(|i| f.fly(f64::from(i), 30.0, &[]).attitude.unwrap().roll.to_bits()).collect::<Vec<_>>()
+    };
+    let (unsaid, slow) = (rolls(None, None), rolls(Some(0.4), None));
+    assert_ne!(unsaid, slow);
+    assert_eq!(rolls(Some(0.1), None), unsaid);
+    assert_eq!(rolls(None, Some(0.4)), slow);
+    assert_eq!(rolls(Some(0.4), Some(0.2)), slow, "what the configuration says stays");
+    for none in [f64::NAN, f64::INFINITY, -1.0, 5.1] {
+        assert_eq!(rolls(None, Some(none)), unsaid, "{none}");
+    }
 }
 
 #[test]
@@ -210,7 +284,7 @@ fn upright_again_after_an_inversion_there_is_one_fault_and_it_ends_once() {
 /// Level and straight with GPS, under a head that shows 7° of pitch beyond a configured trim of 2°.
 fn nine_up(learner: Option<Learner>, seconds: u32) -> Flight {
     let mut f = Flight::new();
-    f.horizon.trim = Attitude::from_degrees(0.0, 2.0);
+    f.horizon.mounting = Mounting::Turned(Attitude::from_degrees(0.0, 2.0));
     f.horizon.learner = learner;
     let vertical = Attitude::from_degrees(0.0, 9.0).vertical();
     for i in 0..seconds * 5 {

@@ -54,7 +54,8 @@ impl SimulatedSource {
             SkyName::Namibia => Sky::NAMIBIA,
             SkyName::Durham => Sky::DURHAM,
         };
-        let health = SensorHealth { integrity: Integrity::None, settling_s: settings.lag_s, ..SensorHealth::default() };
+        let (integrity, lag_s) = (Integrity::None, settings.lag_s);
+        let health = SensorHealth { integrity, settling_s: lag_s, lag_s, ..SensorHealth::default() };
         Self {
             path: Path::Flight(Flight::demo(settings.seed)),
             instruments: None,

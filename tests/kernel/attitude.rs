@@ -11,7 +11,7 @@ use serde_json::Value;
 /// What every set-up's configuration begins and ends with; the host listens to `name`.
 fn config(name: &str, scheme: Scheme, sensors: &str) -> String {
     format!(
-        "[daemon]\nrate-hz = {}\n[estimator]\nrange-time-constant-s = {}\nroll-limit-deg = {}\n{sensors}\
+        "[daemon]\nrate-hz = {}\n[estimator]\nmethod = \"inverse-sine\"\nrange-time-constant-s = {}\nroll-limit-deg = {}\n{sensors}\
          [[mavlink.endpoint]]\naddress = \"{}\"\n",
         scheme.rate_hz,
         scheme.time_constant_s,
@@ -170,7 +170,7 @@ fn angles(daemon: &Daemon, after_s: f64) -> (f64, f64) {
 fn each_sensor_moves_the_angle_that_it_should() {
     let bus = Adapter::stub(&ADDRESSES);
     let mut six = SixMlx::new(&bus);
-    let daemon = Daemon::start(&SixMlx::config(&bus));
+    let daemon = Daemon::start(&format!("[estimator]\nmethod = \"inverse-sine\"\n{}", SixMlx::config(&bus)));
     daemon.until("nominal", |s| s["mode"] == "nominal");
     let mut show = |words: [u16; 6]| {
         six.write(words);

@@ -10,7 +10,7 @@ mod table;
 
 use super::error::CtlError;
 use super::kit::{Kit, Pipeline};
-use super::opening::{Fresh, Opened, allows, open, tell_tally, with_method};
+use super::opening::{Fresh, Opened, allowed, open, tell_tally, with_method};
 use super::recording_args::{MethodChoice, ScoreArgs, ScoreFormat};
 use super::run::{json, print};
 use crate::attitude::Estimate;
@@ -135,13 +135,12 @@ fn methods(choices: &[MethodChoice], settings: &Settings, head: &Head) -> Result
     let mut methods = Vec::new();
     for choice in choices {
         match choice {
-            MethodChoice::All => methods.extend(Method::NAMED.iter().map(|(_, m)| *m).filter(|m| allows(head, *m))),
-            MethodChoice::One(m) if allows(head, *m) => methods.push(*m),
-            MethodChoice::One(m) => return Err(CtlError::MethodNotAllowed { method: m.as_str() }),
+            MethodChoice::All => methods.extend(Method::NAMED.iter().map(|(_, m)| *m).filter(|m| m.suits(head))),
+            MethodChoice::One(m) => methods.push(allowed(head, *m)?),
         }
     }
     if methods.is_empty() {
-        methods.push(settings.estimator.method);
+        methods.push(settings.estimator.method_for(head));
     }
     let mut once = Vec::new();
     for m in methods {

@@ -119,10 +119,9 @@ impl SceneStrength {
         Self { least: least_k * least_k, learning_s, left: Pattern::default(), seen: 1e-4, first: 0.0 }
     }
 
-    /// Begins anew with scenes of `first_k`.
+    /// Begins with scenes of `first_k`.
     pub fn begin(&mut self, first_k: f64) {
         self.first = first_k * first_k;
-        self.left = Pattern::default();
     }
 
     /// Takes in each sensor's innovation and what its scene is taken to add, K.

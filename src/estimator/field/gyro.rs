@@ -1,6 +1,7 @@
 //! Body rates, and when to believe them.
 
-use crate::estimator::vector::Vector;
+use crate::attitude::Attitude;
+use crate::estimator::vector::{Vector, product, rotation};
 use crate::frame::Aiding;
 use crate::time::Time;
 
@@ -17,6 +18,8 @@ pub struct Gyro {
     last: Option<(Vector, Time)>,
     rates: Option<Vector>,
     now: Time,
+    /// From the airframe's axes to the head's; `None` where they are the same.
+    to_head: Option<[Vector; 3]>,
     wrong_since: Option<Time>,
     distrust_s: f64,
 }
@@ -40,10 +43,20 @@ impl Gyro {
         {
             // Front, right, down to nose, left, up.
             let rates = [p, -q, -r].map(f64::to_radians);
+            let rates = self.to_head.map_or(rates, |m| product(&m, rates));
             let before = self.last.replace((rates, now)).filter(|(_, at)| age(*at)).map_or(rates, |(r, _)| r);
             return (dt_s < AGE_S).then(|| std::array::from_fn(|i| 0.5 * (before[i] + rates[i])));
         }
         self.last.filter(|(_, at)| age(*at) && dt_s < AGE_S).map(|(rates, _)| rates)
+    }
+
+    /// The head shows this roll and pitch in level flight.
+    pub fn set_trim(&mut self, trim: Attitude) {
+        // The other way round than from the head to the airframe.
+        let [pitch, roll] = [[0.0, trim.pitch, 0.0], [-trim.roll, 0.0, 0.0]].map(rotation);
+        let columns: [Vector; 3] = std::array::from_fn(|k| product(&roll, std::array::from_fn(|i| pitch[i][k])));
+        let turned = trim != Attitude::default();
+        self.to_head = turned.then(|| std::array::from_fn(|r| std::array::from_fn(|k| columns[k][r])));
     }
 
     /// The rates to be used, rad/s on nose, left, up: the mean over the time since the last frame.

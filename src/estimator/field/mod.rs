@@ -25,6 +25,7 @@ pub use state::MAX_SENSORS;
 pub use tuning::Tuning;
 
 use super::{Estimator, Solution};
+use crate::attitude::Attitude;
 use crate::frame::Frame;
 use crate::head::Head;
 use crate::sky::FieldOfView;
@@ -72,7 +73,6 @@ impl FieldEstimator {
     /// tables in a few milliseconds; nothing is allocated after that.
     pub fn new(head: &Head, field: FieldOfView, tuning: Tuning) -> Self {
         let model = Model::new(head, field);
-        let rate = || Whiteness::new(0.1, (tuning.rate_learning, tuning.rate_learning), (0.1, 8.0));
         Self {
             state: State::new(model.sensors()),
             model,
@@ -81,8 +81,8 @@ impl FieldEstimator {
             stamps: [None; MAX_SENSORS],
             gyro: Gyro::default(),
             aid: Aid::default(),
-            rates: [rate(), rate()],
-            contrast: Whiteness::new(0.15, (tuning.contrast.1, 0.5), (1.0, 200.0)),
+            rates: [(); 2].map(|()| rate_pace(&tuning)),
+            contrast: contrast_pace(&tuning),
             scene: SceneStrength::new(tuning.scene.1, tuning.scene_learning_s),
             misfit: Misfit::default(),
             unlike: false,
@@ -128,6 +128,10 @@ impl FieldEstimator {
         self.last = Some((now, now));
         self.aid = Aid::default();
         self.misfit = Misfit::default();
+        self.unlike = false;
+        self.rates = [(); 2].map(|()| rate_pace(&t));
+        self.contrast = contrast_pace(&t);
+        self.scene = SceneStrength::new(t.scene.1, t.scene_learning_s);
         self.scene.begin(t.scene.0 * (start.scene.contrast_k.abs() / 35.0).min(1.0));
         self.state = State::new(self.model.sensors());
         let s = &mut self.state;
@@ -215,7 +219,25 @@ impl FieldEstimator {
     }
 }
 
+fn rate_pace(t: &Tuning) -> Whiteness {
+    Whiteness::new(0.1, (t.rate_learning, t.rate_learning), (0.1, 8.0))
+}
+
+fn contrast_pace(t: &Tuning) -> Whiteness {
+    Whiteness::new(0.15, (t.contrast.1, 0.5), (1.0, 200.0))
+}
+
 impl Estimator for FieldEstimator {
+    fn set_trim(&mut self, trim: Attitude) {
+        self.gyro.set_trim(trim);
+    }
+
+    fn set_lag_s(&mut self, lag_s: f64) {
+        if (0.0..=5.0).contains(&lag_s) {
+            self.tuning.lag_s = lag_s;
+        }
+    }
+
     fn update(&mut self, frame: &Frame) -> Solution {
         let (readings, Some(now)) = self.readings(frame) else { return Solution::default() };
         let dt_s = self.last.map_or(f64::INFINITY, |(last, _)| now.since(last));

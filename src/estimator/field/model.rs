@@ -84,7 +84,7 @@ impl Model {
     /// The reading of sensor `i` in K or °C, and its stamp.
     pub fn reading(&self, i: usize, frame: &Frame) -> Option<(f64, Time)> {
         let sample = frame.readings.get(i)?.ok()?;
-        let value = match (sample.value, self.channels[i].kind) {
+        let value = match (sample.value, self.channels.get(i)?.kind) {
             (Value::Absolute { object_c, .. }, SensorKind::Absolute) => object_c,
             (Value::Volts(v), SensorKind::Pair { neutral_v, kelvin_per_v }) => (v - neutral_v) * kelvin_per_v,
             _ => return None,

@@ -71,6 +71,7 @@ impl Mlx90614Chip {
         for health in &mut self.health {
             health.integrity = integrity;
             health.settling_s = settling_s;
+            health.lag_s = configuration.lag_s();
             health.emissivity = Some(emissivity);
             health.identity = Some(identity);
         }
@@ -273,7 +274,7 @@ mod tests {
             assert!((object_c - expected_c).abs() < 1e-9);
             assert!((ambient_c.unwrap() - 25.01).abs() < 1e-9);
             let health = chip.health(slot);
-            assert_eq!((health.integrity, health.settling_s), (Integrity::Pec, 0.10));
+            assert_eq!((health.integrity, health.settling_s, health.lag_s), (Integrity::Pec, 0.10, 0.10));
             assert_eq!((health.emissivity, health.identity, health.counters.reads), (Some(1.0), Some(7), 1));
         }
         chip.close();

@@ -115,6 +115,18 @@ impl Configuration {
         let single = row[usize::from(self.fir_code()).saturating_sub(4)];
         if self.dual() { single * 1.55 } else { single }
     }
+
+    /// The time constant of the first-order lag that delays a ramp by as much as the filters do, s.
+    ///
+    /// The settling time is not a time constant: it is how long until a step is shown, all but 0.3 %
+    /// of it. With the IIR filter off (100 %) it is one cycle T of averaging and writing out (the
+    /// datasheet's other rows are so many steps of T as the filter's equation takes to 0.3 %). A value
+    /// averaged over a cycle is late by T/2, and it stands in its cell for another T/2 on the mean. The
+    /// IIR filter `y ← a·x + (1−a)·y` adds (1−a)/a cycles. Together T/a.
+    pub fn lag_s(self) -> f64 {
+        const SHARE: [f64; 8] = [1.0 / 2.0, 1.0 / 4.0, 1.0 / 6.0, 1.0 / 8.0, 1.0, 4.0 / 5.0, 2.0 / 3.0, 4.0 / 7.0];
+        self.with_filters(0b100, self.fir_code()).settling_s() / SHARE[usize::from(self.iir_code())]
+    }
 }
 
 #[cfg(test)]
@@ -203,6 +215,29 @@ mod tests {
                 assert!((table - exact).abs() < 0.02 + 0.04 * exact, "code {code} FIR {fir}: {table} against {exact}");
             }
         }
+    }
+
+    /// The filters run step by step on a ramp of 1 K/s, read 50 times in each cycle: how late the
+    /// words are on the mean.
+    #[test]
+    fn the_lag_is_how_late_a_ramp_is_shown() {
+        for (word, cycle_s, a) in
+            [(0x9FB4, 0.1, 1.0), (0x9FB0, 0.1, 0.5), (0x9CB3, 0.04, 0.125), (0x9EB5, 0.06, 0.8), (0x9FF0, 0.155, 0.5)]
+        {
+            let (mut word_c, mut late, mut reads) = (0.0_f64, 0.0, 0.0);
+            for cycle in 0..400 {
+                let end_s = f64::from(cycle + 1) * cycle_s;
+                // The mean of the ramp over the cycle that has ended; then it is read till the next.
+                word_c += a * (end_s - cycle_s / 2.0 - word_c);
+                for i in (0..50).filter(|_| cycle >= 300) {
+                    late += end_s + (f64::from(i) + 0.5) / 50.0 * cycle_s - word_c;
+                    reads += 1.0;
+                }
+            }
+            let (lag_s, late_s) = (Configuration(word).lag_s(), late / reads);
+            assert!((lag_s - late_s).abs() < 1e-6, "{word:04x}: {lag_s} for {late_s}");
+        }
+        assert!((0..=u16::MAX).all(|word| (0.04..1.3).contains(&Configuration(word).lag_s())));
     }
 
     #[test]
