@@ -1,15 +1,15 @@
 //! How right the method `field` must be: flights of five minutes under the simulator's skies, three seeds
 //! pooled, the first 20 s left out. Each test prints its figures and names every one that is missed.
 
+mod field;
 mod flights;
 
+use field::field;
 use flights::{Flown, score};
 use irhorizon::ctl::score::statistics::{Said, Score};
-use irhorizon::estimator::field::tune::Tuning;
-use irhorizon::estimator::{Estimator, FieldEstimator};
+use irhorizon::estimator::Estimator;
 use irhorizon::frame::{Aiding, Frame, Missing};
 use irhorizon::head::Head;
-use irhorizon::sky::FieldOfView;
 
 /// Root mean squares of roll and pitch, 99th percentile of the larger error, 99th percentile of the
 /// underestimation of rolls beyond 20°; degrees, none of them to be exceeded.
@@ -23,9 +23,8 @@ const COVERED_PERCENT: std::ops::RangeInclusive<f64> = 92.0..=98.0;
 const CLEAR: [Limits; 2] = [[0.40, 0.28, 1.1, 0.9], [0.10, 0.10, 0.35, 0.2]];
 
 /// A fresh estimator for six sensors that are told to lag by `lag_s`.
-fn field(lag_s: f64) -> impl FnMut(&Frame) -> Option<Said> {
-    let tuning = Tuning { lag_s, ..Tuning::default() };
-    let mut estimator = FieldEstimator::new(&Head::six(), FieldOfView::Gaussian { fwhm_deg: 90.0 }, tuning);
+fn fresh(lag_s: f64) -> impl FnMut(&Frame) -> Option<Said> {
+    let mut estimator = field(&Head::six(), lag_s);
     move |frame| {
         let solution = estimator.update(frame);
         solution.attitude.map(|a| Said::new(a, solution.sigma))
@@ -75,7 +74,7 @@ fn none(missed: &[String]) {
 /// A scenario without aiding, then with body rates and GPS.
 fn row(name: &str, lag_s: f64, [alone, aided]: [Limits; 2]) {
     let flights = Flown::all(name).unwrap();
-    let make = || field(lag_s);
+    let make = || fresh(lag_s);
     let mut missed = misses(&format!("{name} without aiding"), &score(&flights, without_aiding, make), alone);
     missed.extend(misses(&format!("{name} with rates and GPS"), &score(&flights, |_| (), make), aided));
     none(&missed);
@@ -137,7 +136,7 @@ fn five_of_six_sensors() {
                 without_aiding(frame);
             }
         };
-        let six = degrees(&score(&flights, change, || field(0.1)));
+        let six = degrees(&score(&flights, change, || fresh(0.1)));
         for (i, sensor) in Head::six().sensors.iter().enumerate() {
             let five = |frame: &mut Frame| {
                 change(frame);
@@ -145,7 +144,7 @@ fn five_of_six_sensors() {
             };
             let aiding = if aided { "with rates and GPS" } else { "without aiding" };
             let what = format!("without {}, {aiding}", sensor.name);
-            let reached = degrees(&score(&flights, five, || field(0.1)));
+            let reached = degrees(&score(&flights, five, || fresh(0.1)));
             let ratio: Limits = std::array::from_fn(|k| reached[k] / six[k]);
             println!("{what}: {reached:.3?}, {ratio:.2?} times the error with six");
             for k in 0..2 {
