@@ -56,14 +56,14 @@ fn best_misfit_k(a: &[f64], radiance: f64) -> f64 {
 #[test]
 fn grey_atmospheres_are_what_their_own_tables_say() {
     let cone = FieldOfView::Cone { half_deg: 50.0 };
-    // The driest of all has the steepest horizon, which the narrower ones cross all at once.
-    for (field, driest) in [(FIELD, 0.035), (FieldOfView::Gaussian { fwhm_deg: 60.0 }, 0.1), (cone, 0.1)] {
+    // A narrower field blurs the horizon less than the table's steps were made for.
+    for (field, limit_k) in [(FIELD, 0.01), (FieldOfView::Gaussian { fwhm_deg: 60.0 }, 0.025), (cone, 0.025)] {
         let family = Family::new(field);
-        for depth in [driest, 0.17_f64, 0.3, 0.8, 1.5, 2.9, 4.0] {
+        for depth in [0.035_f64, 0.1, 0.17, 0.3, 0.8, 1.5, 2.9, 4.0] {
             let own = alone(Shape::Grey { depth }, field, Averaging::Temperature);
             let off_k = CONTRAST_K * largest_apart(&own, &levels(&family, depth.ln(), 0.0));
             println!("{field:?}, depth {depth}: {off_k:.4} K");
-            assert!(off_k < 0.01, "{field:?}, depth {depth}: {off_k} K");
+            assert!(off_k < limit_k, "{field:?}, depth {depth}: {off_k} K");
         }
     }
 }
