@@ -1,5 +1,5 @@
 //! What one `Estimator::update` costs, each method in one process on the same frames of a simulated
-//! flight: `cargo bench --bench update`. With `--updates N` it times nothing and makes N updates of
+//! flight; and what the tables of a sky cost, once: `cargo bench --bench update`. With `--updates N` it times nothing and makes N updates of
 //! one method, for `benches/instructions` to count.
 
 #[path = "../tests/methods/mod.rs"]
@@ -11,7 +11,7 @@ use irhorizon::estimator::Estimator;
 use irhorizon::frame::Frame;
 use irhorizon::head::Head;
 use irhorizon::simulation::SimulatedSource;
-use irhorizon::sky::FieldOfView;
+use irhorizon::sky::{Averaging, Family, FieldOfView, Response, Sky};
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
 use std::hint::black_box;
@@ -82,13 +82,34 @@ fn nanoseconds(methods: &[(&str, Method)], head: &Head, frames: &[Frame]) -> Vec
             times.push(start.elapsed().as_secs_f64() * 1e9 / frames.len() as f64);
         }
     }
-    times
-        .into_iter()
-        .map(|mut t| {
-            t.sort_by(f64::total_cmp);
-            t[RUNS / 2]
-        })
-        .collect()
+    times.into_iter().map(median).collect()
+}
+
+/// The median time of `make`, ms.
+fn milliseconds<T>(make: impl Fn() -> T) -> f64 {
+    let once = || {
+        let start = Instant::now();
+        black_box(make());
+        start.elapsed().as_secs_f64() * 1e3
+    };
+    median((0..RUNS).map(|_| once()).collect())
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// What is made once, when a method begins.
+fn tables() {
+    let field = FieldOfView::Gaussian { fwhm_deg: 90.0 };
+    let family = milliseconds(|| Family::new(black_box(field)));
+    let sky = Sky::NAMIBIA;
+    let curve = milliseconds(|| {
+        Response::new(sky.shape, black_box(field), Averaging::Temperature).pair_curve(sky.ground_c, sky.sky_max_k)
+    });
+    println!("tables of a family of skies: {family:.1} ms");
+    println!("tables of one sky and a pair's curve: {curve:.1} ms");
 }
 
 fn main() -> ExitCode {
@@ -107,6 +128,7 @@ fn main() -> ExitCode {
         let frames = frames(&head, args.rates);
         run(methods::estimator(*first, &head).as_mut(), &frames[..usize::from(updates)]);
     } else {
+        tables();
         for (rates, said) in [(false, "without body rates"), (true, "with body rates")] {
             let frames = frames(&head, rates);
             let times = nanoseconds(&methods, &head, &frames);

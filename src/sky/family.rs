@@ -1,8 +1,8 @@
 //! One table for a whole family of skies, so that the sky's shape can be estimated.
 //!
 //! A plane-parallel grey atmosphere whose optical depth is free comes within 0.1 K of every sky of
-//! 40 K contrast that was tried: the report's exponentials with k from 2 to 12, dry to overcast,
-//! averaged in temperature or in radiance.
+//! 40 K contrast that was tried: the report's exponentials with k from 5.5 to 12 (0.15 K at k = 2),
+//! dry to overcast, averaged in temperature or in radiance.
 
 use super::{FieldOfView, Shape};
 

@@ -1,0 +1,158 @@
+//! How right the method `field` must be: flights of five minutes under the simulator's skies, three seeds
+//! pooled, the first 20 s left out. Each test prints its figures and names every one that is missed.
+
+mod field;
+mod flights;
+
+use field::field;
+use flights::{Flown, score};
+use irhorizon::ctl::score::statistics::{Said, Score};
+use irhorizon::estimator::Estimator;
+use irhorizon::frame::{Aiding, Frame, Missing};
+use irhorizon::head::Head;
+
+/// Root mean squares of roll and pitch, 99th percentile of the larger error, 99th percentile of the
+/// underestimation of rolls beyond 20°; degrees, none of them to be exceeded.
+type Limits = [f64; 4];
+
+const WHAT: [&str; 4] = ["roll rms", "pitch rms", "p99", "underestimated p99"];
+/// The share of errors that must lie within twice their standard deviation, %.
+const COVERED_PERCENT: std::ops::RangeInclusive<f64> = 92.0..=98.0;
+
+/// The clear skies: dry and humid grey atmospheres, and the report's two.
+const CLEAR: [Limits; 2] = [[0.40, 0.28, 1.1, 0.9], [0.10, 0.10, 0.35, 0.2]];
+
+/// A fresh estimator for six sensors that are told to lag by `lag_s`.
+fn fresh(lag_s: f64) -> impl FnMut(&Frame) -> Option<Said> {
+    let mut estimator = field(&Head::six(), lag_s);
+    move |frame| {
+        let solution = estimator.update(frame);
+        solution.attitude.map(|a| Said::new(a, solution.sigma))
+    }
+}
+
+fn without_aiding(frame: &mut Frame) {
+    frame.aiding = Aiding::default();
+}
+
+fn degrees(score: &Score) -> Limits {
+    [score.roll_rms_deg, score.pitch_rms_deg, score.error_p99_deg, score.underestimated_p99_deg]
+        .map(|f| f.unwrap_or(f64::NAN))
+}
+
+/// Prints what was reached; gives what was missed.
+fn misses(what: &str, score: &Score, limits: Limits) -> Vec<String> {
+    let reached = degrees(score);
+    let covered = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|c| c.unwrap_or(f64::NAN));
+    let [roll, pitch, p99, under] = reached;
+    let [roll_in, pitch_in] = covered;
+    println!("{what}: {roll:.3} / {pitch:.3} / {p99:.2} / {under:.2}; 2 sigma {roll_in:.1} % {pitch_in:.1} %");
+    let mut missed = Vec::new();
+    if score.withheld_percent != Some(0.0) {
+        missed.push(format!("{what}: frames without an attitude, {:?} %", score.withheld_percent));
+    }
+    for ((name, reached), limit) in WHAT.iter().zip(reached).zip(limits) {
+        // What is no number is a miss.
+        if !reached.le(&limit) {
+            let over = 100.0 * (reached / limit - 1.0);
+            missed.push(format!("{what}: {name} {reached:.3}°, asked for {limit}°: {over:.0} % over"));
+        }
+    }
+    for (name, covered) in ["roll", "pitch"].into_iter().zip(covered) {
+        if !COVERED_PERCENT.contains(&covered) {
+            missed.push(format!("{what}: {covered:.1} % of the errors of {name} within 2 sigma, asked for 92 to 98"));
+        }
+    }
+    missed
+}
+
+/// Fails with all that was missed.
+fn none(missed: &[String]) {
+    assert!(missed.is_empty(), "missed:\n{}", missed.join("\n"));
+}
+
+/// A scenario without aiding, then with body rates and GPS.
+fn row(name: &str, lag_s: f64, [alone, aided]: [Limits; 2]) {
+    let flights = Flown::all(name).unwrap();
+    let make = || fresh(lag_s);
+    let mut missed = misses(&format!("{name} without aiding"), &score(&flights, without_aiding, make), alone);
+    missed.extend(misses(&format!("{name} with rates and GPS"), &score(&flights, |_| (), make), aided));
+    none(&missed);
+}
+
+#[test]
+fn clear_and_dry() {
+    row("clear-dry", 0.1, CLEAR);
+}
+
+#[test]
+fn clear_and_humid() {
+    row("clear-humid", 0.1, CLEAR);
+}
+
+#[test]
+fn namibia() {
+    row("namibia", 0.1, CLEAR);
+}
+
+#[test]
+fn durham() {
+    row("durham", 0.1, CLEAR);
+}
+
+#[test]
+fn overcast() {
+    row("overcast", 0.1, [[1.2, 0.9, 3.5, 2.2], [0.25, 0.25, 0.7, 0.4]]);
+}
+
+#[test]
+fn scattered_cumulus() {
+    row("cumulus", 0.1, [[1.4, 0.9, 3.0, 2.5], [1.0, 0.8, 2.2, 1.6]]);
+}
+
+#[test]
+fn one_side_of_the_sky_is_warmer() {
+    row("warm-sky", 0.1, [[2.6, 2.3, 4.4, 3.5], [1.0, 1.8, 3.5, 1.8]]);
+}
+
+#[test]
+fn flying_into_cloud() {
+    row("into-cloud", 0.1, [[0.6, 0.45, 2.0, 1.4], [0.12, 0.12, 0.45, 0.3]]);
+}
+
+#[test]
+fn slow_sensors() {
+    row("lag-0.3", 0.3, [[0.8, 0.5, 2.2, 1.7], [0.10, 0.08, 0.35, 0.2]]);
+}
+
+/// Each sensor missing in turn from the beginning: at most half as much error again as with all six.
+#[test]
+fn five_of_six_sensors() {
+    let flights = Flown::all("clear-dry").unwrap();
+    let mut missed = Vec::new();
+    for aided in [false, true] {
+        let change = |frame: &mut Frame| {
+            if !aided {
+                without_aiding(frame);
+            }
+        };
+        let six = degrees(&score(&flights, change, || fresh(0.1)));
+        for (i, sensor) in Head::six().sensors.iter().enumerate() {
+            let five = |frame: &mut Frame| {
+                change(frame);
+                frame.readings[i] = Err(Missing::NoAnswer);
+            };
+            let aiding = if aided { "with rates and GPS" } else { "without aiding" };
+            let what = format!("without {}, {aiding}", sensor.name);
+            let reached = degrees(&score(&flights, five, || fresh(0.1)));
+            let ratio: Limits = std::array::from_fn(|k| reached[k] / six[k]);
+            println!("{what}: {reached:.3?}, {ratio:.2?} times the error with six");
+            for k in 0..2 {
+                if !ratio[k].le(&1.5) {
+                    missed.push(format!("{what}: {} {:.2} times that with six, asked for 1.5", WHAT[k], ratio[k]));
+                }
+            }
+        }
+    }
+    none(&missed);
+}

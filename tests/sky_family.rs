@@ -1,0 +1,167 @@
+//! The family's one table against each sky's own, against integrals, and with arguments that are none.
+
+use irhorizon::sky::family::{LN_DEPTH, RADIANCE_K};
+use irhorizon::sky::{Averaging, Family, FieldOfView, Response, Shape};
+use proptest::prelude::*;
+use std::sync::LazyLock;
+
+const FIELD: FieldOfView = FieldOfView::Gaussian { fwhm_deg: 90.0 };
+/// The contrast for which kelvins are stated.
+const CONTRAST_K: f64 = 40.0;
+
+static FAMILY: LazyLock<Family> = LazyLock::new(|| Family::new(FIELD));
+
+/// Elevations, °, between the table's entries too.
+fn elevations() -> impl Iterator<Item = f64> {
+    (-180..=180).map(|i| f64::from(i) * 0.4975)
+}
+
+fn sin_deg(deg: f64) -> f64 {
+    deg.to_radians().sin()
+}
+
+/// What a sensor shows under `shape`, between 0 straight down and 1 straight up, averaged as said under 40 K.
+fn alone(shape: Shape, field: FieldOfView, averaging: Averaging) -> Vec<f64> {
+    let response = Response::new(shape, field, averaging);
+    let shown = |sine| 10.0 - response.sensor_c(sine, 10.0, CONTRAST_K);
+    let (down, up) = (shown(-1.0), shown(1.0));
+    elevations().map(|e| (shown(sin_deg(e)) - down) / (up - down)).collect()
+}
+
+fn levels(family: &Family, ln_depth: f64, radiance: f64) -> Vec<f64> {
+    elevations().map(|e| family.level(sin_deg(e), ln_depth, radiance).value).collect()
+}
+
+fn largest_apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// The largest misfit of `b` to `a`, K, with the ground and the contrast that fit best.
+fn misfit_k(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len() as f64;
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / n;
+    let (ma, mb) = (mean(a), mean(b));
+    let covariance: f64 = a.iter().zip(b).map(|(a, b)| (a - ma) * (b - mb)).sum();
+    let scale = covariance / b.iter().map(|b| (b - mb).powi(2)).sum::<f64>();
+    let fitted: Vec<f64> = b.iter().map(|b| ma + scale * (b - mb)).collect();
+    CONTRAST_K * largest_apart(a, &fitted)
+}
+
+/// The smallest misfit over the family's depths.
+fn best_misfit_k(a: &[f64], radiance: f64) -> f64 {
+    let depths = (0..=200).map(|i| LN_DEPTH.0 + (LN_DEPTH.1 - LN_DEPTH.0) * f64::from(i) / 200.0);
+    depths.map(|d| misfit_k(a, &levels(&FAMILY, d, radiance))).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn grey_atmospheres_are_what_their_own_tables_say() {
+    let cone = FieldOfView::Cone { half_deg: 50.0 };
+    // A narrower field blurs the horizon less than the table's steps were made for.
+    for (field, limit_k) in [(FIELD, 0.01), (FieldOfView::Gaussian { fwhm_deg: 60.0 }, 0.025), (cone, 0.025)] {
+        let family = Family::new(field);
+        for depth in [0.035_f64, 0.1, 0.17, 0.3, 0.8, 1.5, 2.9, 4.0] {
+            let own = alone(Shape::Grey { depth }, field, Averaging::Temperature);
+            let off_k = CONTRAST_K * largest_apart(&own, &levels(&family, depth.ln(), 0.0));
+            println!("{field:?}, depth {depth}: {off_k:.4} K");
+            assert!(off_k < limit_k, "{field:?}, depth {depth}: {off_k} K");
+        }
+    }
+}
+
+#[test]
+fn the_reports_exponentials_are_near_some_depth() {
+    // The report's own k is 5.5; flatter ones are less like a grey atmosphere.
+    for (k, limit_k) in [(2.0, 0.15), (3.5, 0.11), (5.5, 0.1), (8.0, 0.1), (12.0, 0.1)] {
+        let off_k = best_misfit_k(&alone(Shape::Exponential { k }, FIELD, Averaging::Temperature), 0.0);
+        println!("k {k}: {off_k:.3} K");
+        assert!(off_k < limit_k, "k {k}: {off_k} K");
+    }
+}
+
+/// The share of averaging in radiance is of use: with it the fit is better than without, and good.
+#[test]
+fn averaging_in_radiance_is_part_of_it() {
+    for depth in [0.15, 0.3, 0.6] {
+        let own = alone(Shape::Grey { depth }, FIELD, Averaging::Radiance);
+        let [without, with] = [0.0, CONTRAST_K / RADIANCE_K].map(|share| best_misfit_k(&own, share));
+        println!("depth {depth}: {without:.3} K without, {with:.3} K with");
+        assert!(with < 0.1 && with < without, "depth {depth}: {without} K, {with} K");
+    }
+}
+
+#[test]
+fn levels_rise_from_nothing_to_one() {
+    for i in 0..=20 {
+        let ln_depth = LN_DEPTH.0 + (LN_DEPTH.1 - LN_DEPTH.0) * f64::from(i) / 20.0;
+        let at = |e: f64| FAMILY.level(sin_deg(e), ln_depth, 0.0).value;
+        // The integral's grain in very dry air: less than a millikelvin of 40.
+        assert!(at(-90.0).abs() < 1e-9 && (at(90.0) - 1.0).abs() < 2e-5, "{ln_depth}");
+        let all: Vec<f64> = (-900..=900).map(|e| at(f64::from(e) * 0.1)).collect();
+        // A hair for the cubics between the entries.
+        assert!(all.windows(2).all(|w| w[1] >= w[0] - 1e-5), "{ln_depth}");
+    }
+}
+
+/// A sky, or a ground, that is warmer by the cosine of its azimuth, seen by an axis that looks to azimuth 0.
+#[test]
+fn sides_are_integrals() {
+    let n = 400;
+    let weight = |a: f64| a.sin() * (-4.0 * 2.0_f64.ln() * (a.to_degrees() / 90.0).powi(2)).exp();
+    for deg in [-80.0, -45.0, -20.0, 0.0, 10.0, 37.5, 60.0, 80.0] {
+        let (s, c) = f64::to_radians(deg).sin_cos();
+        let (mut above, mut below, mut whole) = (0.0, 0.0, 0.0);
+        for i in 0..n {
+            let a = (f64::from(i) + 0.5) * 90.0_f64.to_radians() / f64::from(n);
+            for j in 0..n {
+                let b = (f64::from(j) + 0.5) * std::f64::consts::PI / f64::from(n);
+                let up = s * a.cos() + c * a.sin() * b.cos();
+                let ahead = c * a.cos() - s * a.sin() * b.cos();
+                let aside = a.sin() * b.sin();
+                let warmth = weight(a) * ahead / ahead.hypot(aside);
+                *(if up > 0.0 { &mut above } else { &mut below }) += warmth;
+                whole += weight(a);
+            }
+        }
+        let side = FAMILY.level(s, -1.0, 0.0).side;
+        for (name, got, sum) in [("sky", side[0], above), ("ground", side[1], below)] {
+            let expected = sum / whole / c;
+            assert!((got - expected).abs() < 0.005, "{name} at {deg}°: {got}, integrated {expected}");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_number_gives_none_and_what_is_too_far_the_end() {
+    for (sine, ln_depth, radiance) in [(f64::NAN, -1.0, 0.5), (0.3, f64::NAN, 0.5), (0.3, -1.0, f64::NAN)] {
+        assert!(FAMILY.level(sine, ln_depth, radiance).value.is_nan());
+    }
+    let inside = |sine, ln_depth| FAMILY.level(sine, ln_depth, 0.5);
+    for far in [1.1, 1e300, f64::INFINITY] {
+        assert_eq!(inside(far, -1.0), inside(1.0, -1.0));
+        assert_eq!(inside(-far, -1.0), inside(-1.0, -1.0));
+        assert_eq!(inside(0.2, LN_DEPTH.1 + far), inside(0.2, LN_DEPTH.1));
+        assert_eq!(inside(0.2, LN_DEPTH.0 - far), inside(0.2, LN_DEPTH.0));
+    }
+    for x in [f64::NAN, 0.0, -5.0, 1e300] {
+        let family = Family::new(FieldOfView::Gaussian { fwhm_deg: x });
+        assert!((0..=180).all(|e| family.level(sin_deg(f64::from(e) - 90.0), 0.0, 0.5).value.is_finite()), "{x}");
+    }
+}
+
+proptest! {
+    /// Slopes are what a small step changes, away from the poles.
+    #[test]
+    fn slopes_are_differences(deg in -87.0..87.0_f64, ln_depth in -3.4..1.3_f64, radiance in 0.0..1.0_f64) {
+        let (sine, h) = (sin_deg(deg), 1e-6);
+        let level = FAMILY.level(sine, ln_depth, radiance);
+        let value = |s: f64, d: f64, r: f64| FAMILY.level(s, d, r).value;
+        let by_sine = (value(sine + h, ln_depth, radiance) - value(sine - h, ln_depth, radiance)) / (2.0 * h);
+        prop_assert!((level.by_sine - by_sine).abs() < 1e-4, "{} and {by_sine}", level.by_sine);
+        let by_radiance = value(sine, ln_depth, radiance + 0.5) - value(sine, ln_depth, radiance - 0.5);
+        prop_assert!((level.by_radiance - by_radiance).abs() < 1e-9);
+        // Linear between two depths; on an entry the slope is one side's.
+        let [less, more] = [-h, h].map(|h| (value(sine, ln_depth + h, radiance) - level.value) / h);
+        let (least, most) = (less.min(more) - 1e-6, less.max(more) + 1e-6);
+        prop_assert!((least..=most).contains(&level.by_ln_depth), "{} not in {least}..{most}", level.by_ln_depth);
+    }
+}
