@@ -202,8 +202,11 @@ proptest! {
     ) {
         let head = turned_head(Direction::from_angles(azimuth_deg, elevation_deg).unwrap(), turn_deg);
         let truth = Attitude::from_degrees(roll_deg, pitch_deg);
-        let off = off_deg(&at_rest(sky, &head, truth), truth);
-        prop_assert!(off < 0.3, "{off}° off");
+        let said = at_rest(sky, &head, truth);
+        // In doubt (little contrast) an angle is shown larger on purpose, by up to half of that doubt.
+        let doubt = said.sigma.roll.max(said.sigma.pitch).to_degrees();
+        let off = off_deg(&said, truth);
+        prop_assert!(off < 0.3 + 0.5 * doubt, "{off}° off, σ {doubt}°");
     }
 
     /// In the model's own skies no roll is seen too small.

@@ -99,9 +99,9 @@ impl Clouds {
         made
     }
 
-    /// Scattered cumulus that covers `cover` (0..1) of the sky, chosen by `seed`: clouds of 5° to 15°
-    /// radius with soft edges, 8 K colder than the ground, that drift by 0.1 °/s.
-    pub fn cumulus(cover: f64, seed: u64) -> Self {
+    /// Cumulus that covers `cover` (0..1) of the sky, chosen by `seed`: clouds of so many degrees of radius
+    /// (least, most) with soft edges, 8 K colder than the ground, that drift by 0.1 °/s.
+    pub fn cumulus(cover: f64, radius_deg: (f64, f64), seed: u64) -> Self {
         let mut made = Self::new(&[], 0.1, 8.0);
         let mut noise = Noise::new(seed);
         // Each adds about half a percent: a sky that cannot be filled ends too.
@@ -112,7 +112,7 @@ impl Clouds {
             made.add(&Cloud {
                 azimuth_deg: 360.0 * noise.uniform(),
                 elevation_deg: noise.uniform().asin().to_degrees(),
-                radius_deg: 5.0 + 10.0 * noise.uniform(),
+                radius_deg: radius_deg.0 + (radius_deg.1 - radius_deg.0) * noise.uniform(),
                 opacity: 0.8 + 0.2 * noise.uniform(),
                 edge_deg: 4.0,
             });
@@ -212,11 +212,11 @@ mod tests {
     #[test]
     fn cumulus_covers_what_is_asked() {
         for seed in 0..5 {
-            let cover = Clouds::cumulus(0.3, seed).cover();
+            let cover = Clouds::cumulus(0.3, (5.0, 15.0), seed).cover();
             assert!((0.3..0.34).contains(&cover), "{cover}");
         }
-        assert_eq!(Clouds::cumulus(0.0, 1).cover(), 0.0);
-        assert!(Clouds::cumulus(f64::NAN, 1).cover() < 1.0);
-        assert_ne!(Clouds::cumulus(0.3, 1), Clouds::cumulus(0.3, 2));
+        assert_eq!(Clouds::cumulus(0.0, (5.0, 15.0), 1).cover(), 0.0);
+        assert!(Clouds::cumulus(f64::NAN, (5.0, 15.0), 1).cover() < 1.0);
+        assert_ne!(Clouds::cumulus(0.3, (5.0, 15.0), 1), Clouds::cumulus(0.3, (5.0, 15.0), 2));
     }
 }

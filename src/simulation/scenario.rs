@@ -22,13 +22,14 @@ pub const SECONDS: f64 = 300.0;
 const FIELD_DEG: f64 = 90.0;
 
 /// The names, with what they stand for.
-pub const LIST: [(&str, &str); 18] = [
+pub const LIST: [(&str, &str); 19] = [
     ("clear-dry", "a dry grey atmosphere, contrast 40 K"),
     ("clear-humid", "a humid grey atmosphere, contrast 25 K"),
     ("namibia", "the report's Namibian night"),
     ("durham", "the report's Durham afternoon"),
     ("overcast", "a closed cloud cover, contrast 8 K"),
-    ("cumulus", "drifting clouds over a third of a clear sky"),
+    ("scattered", "small drifting clouds over a third of a clear sky"),
+    ("cumulus", "large ones, some of them in clumps to one side"),
     ("warm-side", "ground and sky warmer by 5 K to one side"),
     ("warm-sky", "the sky alone warmer by 5 K to one side"),
     ("warm-side-sharp", "ground and sky warmer by 5 K over one half of the compass"),
@@ -192,7 +193,8 @@ impl Scenario {
         let warm = |round, ground| WarmSide { azimuth_deg, amplitude_k: 5.0, round, sky: true, ground };
         let ridge = |turn, width_deg, height_deg| Ridge { azimuth_deg: azimuth_deg + turn, width_deg, height_deg };
         match self.name {
-            "cumulus" => scene.with_clouds(Clouds::cumulus(0.3, seeds.bits())),
+            "scattered" => scene.with_clouds(Clouds::cumulus(0.3, (4.0, 10.0), seeds.bits())),
+            "cumulus" => scene.with_clouds(Clouds::cumulus(0.3, (5.0, 15.0), seeds.bits())),
             "warm-side" => scene.with_warm_side(warm(Round::Cosine, true)),
             "warm-sky" => scene.with_warm_side(warm(Round::Cosine, false)),
             "warm-side-sharp" => scene.with_warm_side(warm(Round::Half, true)),

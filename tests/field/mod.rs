@@ -1,7 +1,7 @@
 //! The method `field` as its tests make it: the one place to change when its constructor does.
 
 use irhorizon::estimator::FieldEstimator;
-use irhorizon::estimator::field::tune::Tuning;
+use irhorizon::estimator::field::Tuning;
 use irhorizon::head::Head;
 use irhorizon::sky::FieldOfView;
 

@@ -12,6 +12,8 @@ const WINDOW_S: f64 = 4.0;
 const FIRST_S: f64 = 3.0;
 /// Over this time innovations are averaged to see what no state explains, s.
 const LEFT_S: f64 = 1.0;
+/// An innovation beyond this is a glitch and no scene, K.
+const GLITCH_K: f64 = 1.0;
 /// The largest scene, K.
 const LARGEST_K: f64 = 1.5;
 /// A misfit no larger than the first is noise; one of the second is a scene, K.
@@ -128,7 +130,7 @@ impl SceneStrength {
     pub fn update(&mut self, innovations: &Pattern, scenes: &Pattern, directions: &Directions, dt_s: f64) {
         let share = -(-dt_s / LEFT_S).exp_m1();
         for (left, innovation) in self.left.iter_mut().zip(innovations) {
-            *left += share * (innovation - *left);
+            *left += share * (innovation.clamp(-GLITCH_K, GLITCH_K) - *left);
         }
         let (rest, dimensions) = directions.rest(std::array::from_fn(|i| self.left[i] + scenes[i]));
         if dimensions > 0 {

@@ -18,8 +18,8 @@ const FLYING_M_S: std::ops::Range<f64> = 6.0..150.0;
 const AGE_S: f64 = 3.0;
 /// Courses this far apart tell how fast it turns, s.
 const SPAN_S: std::ops::Range<f64> = 0.8..2.5;
-/// A measurement farther from its prediction than this many standard deviations weighs less.
-const GATE: f64 = 3.0;
+/// A measurement farther from its prediction than this many standard deviations is none.
+const GATE: f64 = 4.0;
 
 /// The last that was heard of each.
 #[derive(Clone, Debug, Default)]
@@ -61,18 +61,17 @@ impl Aid {
         if let Some(gyro) = gyro {
             // Without sideslip the weight's part along the wing turns the path: V·r = g·u_left.
             let bank = -speed * (gyro[2] + state.x[RATE + 2]) / G;
-            let variance = lasting(t.turn, dt_s);
-            measure(state, 1, (OFFSET, state.vertical()[2]), Some((RATE + 2, speed / G)), bank, variance);
+            measure(state, 1, (OFFSET, state.vertical()[2]), Some((RATE + 2, speed / G)), bank, t.turn, dt_s);
         } else if let Some((rate, span_s)) = turning {
             let bank = (ground_speed.unwrap_or(speed) * rate / G).atan().sin();
             // Half of the span old, and without the airframe's own motion.
-            let variance = lasting((2.0 * t.turn.0, t.turn.1), span_s);
-            measure(state, 1, (OFFSET, state.vertical()[2]), None, bank, variance);
+            let errors = (2.0 * t.turn.0, t.turn.1);
+            measure(state, 1, (OFFSET, state.vertical()[2]), None, bank, errors, span_s);
         }
         if let Some(climb) = aiding.climb_m_s.filter(|c| c.abs() < speed) {
             let span_s = self.climb.map_or(t.climb.1, |at| now.since(at));
             self.climb = Some(now);
-            measure(state, 0, (OFFSET + 1, 1.0), None, climb / speed, lasting(t.climb, span_s));
+            measure(state, 0, (OFFSET + 1, 1.0), None, climb / speed, t.climb, span_s);
         }
     }
 
@@ -97,7 +96,7 @@ impl Aid {
         let error = wrap(course - (-west[0]).atan2(north[0]));
         // Clockwise from above is about down.
         match self.heading.replace(now) {
-            None => state.rotate(up.map(|c| -c * error)),
+            None => state.turn_heading(error),
             Some(at) => {
                 let h = [(TURN, -up[0]), (TURN + 1, -up[1]), (TURN + 2, -up[2])];
                 state.correct(&h, error, lasting(t.heading, now.since(at)));
@@ -107,23 +106,27 @@ impl Aid {
     }
 }
 
-/// A measurement of one component of the vertical, with an offset state and perhaps another.
+/// A measurement of one component of the vertical, with an offset state and perhaps another, `dt_s` after
+/// the last; its errors have a size and last for a time.
 fn measure(
     state: &mut State,
     component: usize,
     offset: (usize, f64),
     other: Option<(usize, f64)>,
     measured: f64,
-    variance: f64,
+    errors: (f64, f64),
+    dt_s: f64,
 ) {
     let up = state.vertical();
     let by_turn = |k: usize| cross(up, std::array::from_fn(|i| f64::from(u8::from(i == k))))[component];
     let other = other.unwrap_or((RATE, 0.0));
     let h = [(TURN, by_turn(0)), (TURN + 1, by_turn(1)), (TURN + 2, by_turn(2)), offset, other];
     let innovation = measured - up[component] - offset.1 * state.x[offset.0];
-    let excess = innovation * innovation / (GATE * GATE) - state.variance_of(&h);
-    state.correct(&h, innovation, variance.max(excess));
-    state.settle();
+    let expected = state.variance_of(&h) + errors.0 * errors.0;
+    if innovation * innovation < GATE * GATE * expected {
+        state.correct(&h, innovation, lasting(errors, dt_s));
+        state.settle();
+    }
 }
 
 /// The variance of a measurement that comes every `dt_s` with errors that last.

@@ -7,6 +7,8 @@ use super::state::{MAX_SENSORS, SEEN};
 
 /// A reading farther from its prediction than this many standard deviations weighs less.
 const GATE: f64 = 6.0;
+/// One reading, and no more, this far from its prediction is left out.
+const OUTLIER: f64 = 20.0;
 /// Over this time the misfit is averaged, s.
 const MISFIT_S: f64 = 0.5;
 /// So many times the expected misfit and the filter is lost; with a gyro, that is what is wrong.
@@ -46,6 +48,18 @@ impl Misfit {
 }
 
 impl FieldEstimator {
+    /// Leaves out the one reading that cannot be, if the others can.
+    pub(super) fn leave_out(&self, readings: &mut [Option<f64>; MAX_SENSORS]) {
+        let far = |i: usize, reading: f64| {
+            let expected = self.state.p[SEEN + i][SEEN + i] + self.tuning.noise_k * self.tuning.noise_k;
+            (reading - self.state.x[SEEN + i]).powi(2) > OUTLIER * OUTLIER * expected
+        };
+        let mut outliers = (0..self.model.sensors()).filter(|i| readings[*i].is_some_and(|r| far(*i, r)));
+        if let (Some(one), None) = (outliers.next(), outliers.next()) {
+            readings[one] = None;
+        }
+    }
+
     /// Takes in the readings, one after the other.
     pub(super) fn correct(&mut self, readings: &[Option<f64>; MAX_SENSORS], dt_s: f64) {
         let noise = self.tuning.noise_k * self.tuning.noise_k;

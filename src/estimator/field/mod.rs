@@ -7,7 +7,7 @@
 //! - `state`: the states and their covariance; `tuning`: what the world is taken to be like;
 //! - `model`: what a sensor should show; `start`: where the filter begins;
 //! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves;
-//! - `gyro`: body rates, and when to believe them; `aid`: the slow references;
+//! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
 //! - `output`: angles, standard deviations, the underestimation guard.
 
 mod adapt;
@@ -19,6 +19,7 @@ mod output;
 mod predict;
 mod start;
 mod state;
+mod stuck;
 mod tuning;
 
 pub use state::MAX_SENSORS;
@@ -39,6 +40,7 @@ use output::{attitude, guard};
 use predict::{Pace, predict};
 use start::start;
 use state::{CONTRAST, DEPTH, GROUND, LAG, OFFSET, RADIANCE, RATE, SEEN, SIDE, State, TURN};
+use stuck::Stuck;
 
 /// A frame later than this after the last begins anew, s.
 const GAP_S: f64 = 2.0;
@@ -57,6 +59,7 @@ pub struct FieldEstimator {
     /// The last frame, and the last with enough readings.
     last: Option<(Time, Time)>,
     stamps: [Option<Time>; MAX_SENSORS],
+    stuck: [Stuck; MAX_SENSORS],
     gyro: Gyro,
     aid: Aid,
     /// Body rates about the nose, and across it.
@@ -79,6 +82,7 @@ impl FieldEstimator {
             tuning,
             last: None,
             stamps: [None; MAX_SENSORS],
+            stuck: [Stuck::default(); MAX_SENSORS],
             gyro: Gyro::default(),
             aid: Aid::default(),
             rates: [(); 2].map(|()| rate_pace(&tuning)),
@@ -107,15 +111,19 @@ impl FieldEstimator {
             (self.last, self.stamps) = (None, [None; MAX_SENSORS]);
         }
         let mut newest = None;
-        let readings = std::array::from_fn(|i| {
+        let mut readings: [Option<f64>; MAX_SENSORS] = std::array::from_fn(|i| {
             let (value, time) = self.model.reading(i, frame)?;
             if self.stamps[i].is_some_and(|stamp| time <= stamp) {
                 return None;
             }
             self.stamps[i] = Some(time);
             newest = newest.max(Some(time));
+            self.stuck[i].update(value, self.state.plain[i], time);
             Some(value)
         });
+        for (reading, stuck) in readings.iter_mut().zip(Stuck::among(&self.stuck)) {
+            *reading = reading.filter(|_| !stuck);
+        }
         (readings, newest)
     }
 
@@ -239,7 +247,7 @@ impl Estimator for FieldEstimator {
     }
 
     fn update(&mut self, frame: &Frame) -> Solution {
-        let (readings, Some(now)) = self.readings(frame) else { return Solution::default() };
+        let (mut readings, Some(now)) = self.readings(frame) else { return Solution::default() };
         let dt_s = self.last.map_or(f64::INFINITY, |(last, _)| now.since(last));
         if self.gyro.update(&frame.aiding, now, dt_s) {
             self.set_rates();
@@ -268,6 +276,7 @@ impl Estimator for FieldEstimator {
                 unlike: self.scene.unlike(),
             };
             predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
+            self.leave_out(&mut readings);
             self.learn(&readings, dt_s);
             self.doubt();
         }

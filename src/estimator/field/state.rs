@@ -126,6 +126,25 @@ impl State {
         self.axes = self.axes.map(|a| product(&m, a));
     }
 
+    /// Turns the level axes by `angle` about the vertical, counterclockwise from above. The body stays, and
+    /// so does what is warm around it.
+    pub fn turn_heading(&mut self, angle: f64) {
+        let turn = self.vertical().map(|c| -angle * c);
+        self.rotate(turn);
+        let (sin, cos) = angle.sin_cos();
+        let turned = |north: f64, west: f64| (cos * north + sin * west, cos * west - sin * north);
+        let n = self.size();
+        for at in [SIDE, SIDE + 2] {
+            (self.x[at], self.x[at + 1]) = turned(self.x[at], self.x[at + 1]);
+            for j in 0..n {
+                (self.p[at][j], self.p[at + 1][j]) = turned(self.p[at][j], self.p[at + 1][j]);
+            }
+            for row in &mut self.p[..n] {
+                (row[at], row[at + 1]) = turned(row[at], row[at + 1]);
+            }
+        }
+    }
+
     /// Takes the turn found by corrections into the axes, and squares these.
     pub fn settle(&mut self) {
         let turn = [self.x[TURN], self.x[TURN + 1], self.x[TURN + 2]];
