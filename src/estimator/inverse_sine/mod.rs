@@ -8,7 +8,7 @@
 mod excess;
 mod table;
 
-use super::contrast_vector::contrast_vector;
+use super::contrast_vector::ContrastSolver;
 use super::noise::PAIR_NOISE_K;
 use super::range::LowPass;
 use super::{Estimator, Solution};
@@ -27,6 +27,7 @@ const REVERSAL: f64 = 0.25;
 /// The report's estimator.
 #[derive(Clone, Debug)]
 pub struct InverseSineEstimator {
+    solver: ContrastSolver,
     head: Head,
     table: InverseSine,
     excess: Excess,
@@ -43,6 +44,7 @@ impl InverseSineEstimator {
     /// (the report: 45).
     pub fn new(head: Head, field_of_view_deg: f64, range_time_constant_s: f64, roll_limit_deg: f64) -> Self {
         Self {
+            solver: ContrastSolver::new(&head),
             head,
             table: InverseSine::new(),
             excess: Excess::new(field_of_view_deg),
@@ -55,17 +57,19 @@ impl InverseSineEstimator {
     /// The angle of `signal` on a range, and its standard deviation: noise, the sine's own excess,
     /// and how far the range seen now would have moved it.
     fn angle(&self, signal_k: f64, range_k: f64, seen_k: f64) -> (f64, f64) {
-        let angle = self.table.angle(signal_k / range_k);
-        let noise = PAIR_NOISE_K / range_k / angle.cos().max(0.1);
+        let sine = signal_k / range_k;
+        let angle = self.table.angle(sine);
+        let cosine = (1.0 - sine * sine).max(0.01).sqrt();
+        let noise = PAIR_NOISE_K / range_k / cosine;
         let excess = self.excess.at(angle);
         let doubt = angle - self.table.angle(signal_k / seen_k.max(SMALLEST_RANGE_K));
-        (angle, noise.hypot(excess).hypot(doubt))
+        (angle, (noise * noise + excess * excess + doubt * doubt).sqrt())
     }
 }
 
 impl Estimator for InverseSineEstimator {
     fn update(&mut self, frame: &Frame) -> Solution {
-        let seen = contrast_vector(&self.head, frame);
+        let seen = self.solver.solve(&self.head, frame);
         if let (Some([_, _, z]), Some(time)) = (seen, frame.sample_time()) {
             let range = self.range.update(z.abs(), time).unwrap_or(0.0);
             // A vertical pair near zero (a bank near 90°) has no sign of its own.

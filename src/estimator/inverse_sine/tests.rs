@@ -46,6 +46,7 @@ fn estimator(head: Head) -> InverseSineEstimator {
     // The excess table is the same for all and takes milliseconds to make.
     static MADE: std::sync::OnceLock<InverseSineEstimator> = std::sync::OnceLock::new();
     let mut e = MADE.get_or_init(|| InverseSineEstimator::new(Head::six(), 90.0, 3.0, 45.0)).clone();
+    e.solver = ContrastSolver::new(&head);
     e.head = head;
     e
 }
