@@ -209,11 +209,13 @@ proptest! {
         prop_assert!(off < 0.3 + 0.5 * doubt, "{off}° off, σ {doubt}°");
     }
 
-    /// In the model's own skies no roll is seen too small.
+    /// In the model's own skies, the grey ones, no roll is seen too small; in the report's exponentials, which the
+    /// family only comes near to, hardly.
     #[test]
     fn no_roll_is_underestimated(sky in sky(), roll_deg in -80.0..80.0_f64, pitch_deg in -20.0..20.0_f64) {
         let truth = Attitude::from_degrees(roll_deg, pitch_deg);
         let (said, _) = angles(&at_rest(sky, &Head::six(), truth));
-        prop_assert!(said.abs() >= roll_deg.abs() - 0.1, "{:.3}° too small", roll_deg.abs() - said.abs());
+        let least = roll_deg.abs() - if sky.shape >= 3 { 0.1 } else { 0.2 };
+        prop_assert!(said.abs() >= least, "{:.3}° too small", roll_deg.abs() - said.abs());
     }
 }

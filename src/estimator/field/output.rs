@@ -4,8 +4,8 @@ use super::state::{State, TURN};
 use crate::attitude::Attitude;
 use crate::estimator::vector::cross;
 
-/// Below this standard deviation there is nothing to guard against, rad: half a degree.
-const SURE: f64 = 0.008_7;
+/// Below this standard deviation there is nothing to guard against, rad: a quarter of a degree.
+const SURE: f64 = 0.004_4;
 /// The share of the doubt beyond it by which an angle is shown larger.
 const GUARD: f64 = 0.5;
 /// Angles from which, and beyond which wholly, that is done, rad: 10° and 30°.

@@ -95,7 +95,7 @@ fn the_guard_never_makes_an_angle_smaller_and_is_idle_while_sure() {
             let shown = guard(angle, sigma, std::f64::consts::PI);
             assert!(shown.abs() >= angle.abs() && shown.abs() <= angle.abs() + 0.0871 && shown * angle >= 0.0);
         }
-        assert_eq!(guard(angle, 0.008, std::f64::consts::PI), angle);
+        assert_eq!(guard(angle, 0.003, std::f64::consts::PI), angle);
     }
     assert_eq!(guard(std::f64::consts::PI, 1.0, std::f64::consts::PI), std::f64::consts::PI);
 }

@@ -60,7 +60,7 @@ impl Default for Tuning {
         let deg = f64::to_radians;
         Self {
             lag_s: 0.1,
-            lag_sigma: 0.5,
+            lag_sigma: 0.3,
             noise_k: 0.085,
             rate_sigma: [deg(9.0), deg(3.5), deg(3.5)],
             rate_time_s: 0.6,
@@ -72,10 +72,10 @@ impl Default for Tuning {
             contrast: (0.02, 5.0),
             depth: (-1.2, 0.8, 0.007),
             radiance: (0.5, 0.5),
-            side: (0.1, 0.0015),
+            side: (0.05, 0.0015),
             unlike_side_walk: 0.1,
             unlike_side_k: (1.35, 0.2),
-            scene: (0.2, 0.012),
+            scene: (0.15, 0.012),
             scene_time_s: 60.0,
             scene_angle: (0.8, 3.0),
             scene_learning_s: (2.0, 8.0),
