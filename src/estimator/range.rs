@@ -10,12 +10,14 @@ use crate::time::Time;
 pub struct LowPass {
     time_constant_s: f64,
     state: Option<(f64, Time)>,
+    /// The last interval, s, and its [`share`]: samples that come regularly ask for the same one.
+    step: (f64, f64),
 }
 
 impl LowPass {
     /// With `time_constant_s` > 0, in seconds.
     pub fn new(time_constant_s: f64) -> Self {
-        Self { time_constant_s, state: None }
+        Self { time_constant_s, state: None, step: (0.0, 0.0) }
     }
 
     /// Takes in `value` seen at `time`; the first value is taken as it is. A value that is not
@@ -25,7 +27,11 @@ impl LowPass {
             match &mut self.state {
                 None => self.state = Some((value, time)),
                 Some((filtered, last)) if time > *last => {
-                    *filtered += (value - *filtered) * share(time.since(*last), self.time_constant_s);
+                    let dt_s = time.since(*last);
+                    if dt_s != self.step.0 {
+                        self.step = (dt_s, share(dt_s, self.time_constant_s));
+                    }
+                    *filtered += (value - *filtered) * self.step.1;
                     *last = time;
                 }
                 Some(_) => {}
