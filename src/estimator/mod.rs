@@ -5,6 +5,7 @@
 //! - [`contrast_vector`]: pairs in any direction, solved for one vector;
 //! - [`field`]: every sensor by itself, the sky estimated together with the attitude;
 //! - [`trim`]: how the head is mounted, learnt in flight from slow references;
+//! - [`flying`]: what the readers of slow references share;
 //! - [`range`]: the low-pass filter of the adaptive range;
 //! - [`suits`]: which heads each method works with;
 //! - [`vector`], [`normal`], [`noise`]: three components, least squares over directions, and the noise that every σ
@@ -14,6 +15,7 @@
 
 pub mod contrast_vector;
 pub mod field;
+pub mod flying;
 pub mod inverse_sine;
 pub mod noise;
 pub mod normal;

@@ -5,17 +5,12 @@
 
 use super::state::{OFFSET, RATE, State, TURN};
 use super::tuning::Tuning;
+use crate::estimator::flying::{G_M_S2, Held, flying, keep, speed, wrapped};
 use crate::estimator::vector::{Vector, cross};
 use crate::frame::Aiding;
 use crate::time::Time;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
-/// Standard gravity, m/s².
-const G: f64 = 9.806_65;
-/// Slower than this nothing flies; faster is no drone, m/s.
-const FLYING_M_S: std::ops::Range<f64> = 6.0..150.0;
-/// Speeds older than this are none, s.
-const AGE_S: f64 = 3.0;
 /// Courses this far apart tell how fast it turns, s.
 const SPAN_S: std::ops::Range<f64> = 0.8..2.5;
 /// A measurement farther from its prediction than this many standard deviations is none.
@@ -24,9 +19,9 @@ const GATE: f64 = 4.0;
 /// The last that was heard of each.
 #[derive(Clone, Debug, Default)]
 pub struct Aid {
-    airspeed: Option<(f64, Time)>,
-    ground_speed: Option<(f64, Time)>,
-    course: Option<(f64, Time)>,
+    airspeed: Held,
+    ground_speed: Held,
+    course: Held,
     heading: Option<Time>,
     climb: Option<Time>,
 }
@@ -41,18 +36,10 @@ impl Aid {
         (now, dt_s): (Time, f64),
         gyro: Option<Vector>,
     ) {
-        let keep = |held: &mut Option<(f64, Time)>, new: Option<f64>| {
-            if let Some(v) = new.filter(|v| (0.0..FLYING_M_S.end).contains(v)) {
-                *held = Some((v, now));
-            }
-        };
-        keep(&mut self.airspeed, aiding.airspeed_m_s);
-        keep(&mut self.ground_speed, aiding.ground_speed_m_s);
-        let flying = |held: Option<(f64, Time)>| {
-            held.filter(|(v, at)| now.since(*at) < AGE_S && FLYING_M_S.contains(v)).map(|(v, _)| v)
-        };
-        let ground_speed = flying(self.ground_speed);
-        let Some(speed) = flying(self.airspeed).or(ground_speed) else { return };
+        keep(&mut self.airspeed, speed(aiding.airspeed_m_s), now);
+        keep(&mut self.ground_speed, speed(aiding.ground_speed_m_s), now);
+        let ground_speed = flying(self.ground_speed, now);
+        let Some(speed) = flying(self.airspeed, now).or(ground_speed) else { return };
         let course = aiding.course_deg.filter(|c| c.abs() <= 360.0).map(f64::to_radians);
         let turning = course.zip(ground_speed).and_then(|(course, _)| {
             self.heading(course, state, t, now);
@@ -60,10 +47,10 @@ impl Aid {
         });
         if let Some(gyro) = gyro {
             // Without sideslip the weight's part along the wing turns the path: V·r = g·u_left.
-            let bank = -speed * (gyro[2] + state.x[RATE + 2]) / G;
-            measure(state, 1, (OFFSET, state.vertical()[2]), Some((RATE + 2, speed / G)), bank, t.turn, dt_s);
+            let bank = -speed * (gyro[2] + state.x[RATE + 2]) / G_M_S2;
+            measure(state, 1, (OFFSET, state.vertical()[2]), Some((RATE + 2, speed / G_M_S2)), bank, t.turn, dt_s);
         } else if let Some((rate, span_s)) = turning {
-            let bank = (ground_speed.unwrap_or(speed) * rate / G).atan().sin();
+            let bank = (ground_speed.unwrap_or(speed) * rate / G_M_S2).atan().sin();
             // Half of the span old, and without the airframe's own motion.
             let errors = (2.0 * t.turn.0, t.turn.1);
             measure(state, 1, (OFFSET, state.vertical()[2]), None, bank, errors, span_s);
@@ -83,7 +70,7 @@ impl Aid {
             return None;
         }
         self.course = Some((course, now));
-        let change = wrap(course - before);
+        let change = wrapped(course - before);
         (SPAN_S.contains(&span_s) && change.abs() < PI / 2.0).then(|| (change / span_s, span_s))
     }
 
@@ -93,7 +80,7 @@ impl Aid {
         if up[0].abs() > 0.8 {
             return;
         }
-        let error = wrap(course - (-west[0]).atan2(north[0]));
+        let error = wrapped(course - (-west[0]).atan2(north[0]));
         // Clockwise from above is about down.
         match self.heading.replace(now) {
             None => state.turn_heading(error),
@@ -132,10 +119,4 @@ fn measure(
 /// The variance of a measurement that comes every `dt_s` with errors that last.
 fn lasting((sigma, time_s): (f64, f64), dt_s: f64) -> f64 {
     sigma * sigma * (2.0 * time_s / dt_s.max(1e-3)).max(1.0)
-}
-
-/// Into −π..π.
-fn wrap(angle: f64) -> f64 {
-    let a = angle.rem_euclid(TAU);
-    if a > PI { a - TAU } else { a }
 }

@@ -3,10 +3,9 @@
 use super::model::{Model, Scene};
 use super::state::{CONTRAST, DEPTH, GROUND, LAG, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SIDE, State, TURN};
 use super::tuning::Tuning;
+use crate::estimator::flying::G_M_S2;
 use crate::estimator::vector::{Vector, add_scaled, cross, length, product, rotation, unit};
 
-/// Standard gravity, m/s².
-const G: f64 = 9.806_65;
 /// The steepest bank's tangent from which a turn is reckoned.
 const STEEPEST: f64 = 2.0;
 
@@ -59,7 +58,7 @@ pub fn predict(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, gyro: Op
 /// The rate about the upward vertical of a coordinated turn, rad/s: clockwise, below 0, with the right
 /// wing down.
 fn turning(up: Vector, speed_m_s: f64) -> f64 {
-    -G / speed_m_s * (up[1] / up[2].abs().max(0.3)).clamp(-STEEPEST, STEEPEST)
+    -G_M_S2 / speed_m_s * (up[1] / up[2].abs().max(0.3)).clamp(-STEEPEST, STEEPEST)
 }
 
 /// The core's rows and columns: the turn's error goes round with the body and grows with the rates'.

@@ -1,15 +1,10 @@
 //! What GPS and airspeed say of the attitude: the bank of a coordinated turn, the angle of climb.
 
+use crate::estimator::flying::{G_M_S2, Held, flying, fresh, keep, speed, wrapped};
 use crate::frame::Aiding;
 use crate::time::Time;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
-/// Standard gravity, m/s².
-const G_M_S2: f64 = 9.806_65;
-/// What flies is faster than this, and nothing is faster than that, m/s.
-const FLYING_M_S: std::ops::Range<f64> = 6.0..200.0;
-/// A speed or course older than this is none, s.
-const FRESH_S: f64 = 3.0;
 /// The shortest and longest time over which a change of course is a rate; the longest from one climb
 /// rate to the next, too. s.
 const SHORTEST_S: f64 = 0.5;
@@ -51,9 +46,6 @@ pub struct Heard {
     pub course: Option<f64>,
 }
 
-/// A value with the time when it came.
-type Held = Option<(f64, Time)>;
-
 /// From one course to the next, with the estimated roll in between.
 #[derive(Clone, Copy, Debug)]
 struct Leg {
@@ -78,14 +70,12 @@ impl References {
     /// Takes in what came with a frame for which `roll` (rad) was estimated. Values that cannot be are
     /// not heard.
     pub fn hear(&mut self, aiding: &Aiding, roll: f64, now: Time) -> Heard {
-        let speed = |new: Option<f64>| new.filter(|v| (0.0..FLYING_M_S.end).contains(v));
         let course = aiding.course_deg.filter(|c| c.abs() <= 360.0).map(f64::to_radians);
         keep(&mut self.airspeed, speed(aiding.airspeed_m_s), now);
         keep(&mut self.ground_speed, speed(aiding.ground_speed_m_s), now);
         keep(&mut self.course, course, now);
-        let flying = |held: Held| fresh(held, now).filter(|v| FLYING_M_S.contains(v));
-        let ground_speed = flying(self.ground_speed);
-        let speed = flying(self.airspeed).map(|v| (v, AIRSPEED_SHARE)).or(ground_speed.map(|v| (v, WIND_SHARE)));
+        let ground_speed = flying(self.ground_speed, now);
+        let speed = flying(self.airspeed, now).map(|v| (v, AIRSPEED_SHARE)).or(ground_speed.map(|v| (v, WIND_SHARE)));
         Heard {
             bank: self.bank(course, ground_speed, roll, now),
             climb: self.climb(aiding.climb_m_s, speed, now),
@@ -128,21 +118,6 @@ impl References {
         let roll = leg.area / span_s;
         (bank.abs() < STEEPEST && roll.abs() < STEEPEST).then_some((angle, roll))
     }
-}
-
-fn keep(held: &mut Held, new: Option<f64>, now: Time) {
-    if let Some(v) = new {
-        *held = Some((v, now));
-    }
-}
-
-fn fresh(held: Held, now: Time) -> Option<f64> {
-    held.filter(|(_, at)| (0.0..FRESH_S).contains(&now.since(*at))).map(|(v, _)| v)
-}
-
-/// Into (−π, π].
-fn wrapped(angle: f64) -> f64 {
-    PI - (PI - angle).rem_euclid(TAU)
 }
 
 #[cfg(test)]
