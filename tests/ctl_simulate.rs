@@ -74,7 +74,7 @@ fn the_list_names_every_scenario() {
     let (code, out, _) = simulate(&["--list"]);
     assert_eq!(code, 0);
     assert_eq!(out.lines().next(), Some("clear-dry        a dry grey atmosphere, contrast 40 K"));
-    for line in out.lines() {
+    for line in out.lines().take_while(|l| !l.is_empty()) {
         let name = line.split(' ').next().unwrap();
         assert_eq!(simulate(&[name, "--seconds", "0.02"]).0, 0, "{name}");
     }
@@ -95,4 +95,59 @@ fn what_makes_no_sense_is_refused_with_the_next_step() {
     assert_eq!(code, 1);
     assert!(err.contains("writing /dev/full failed: No space left"), "{err}");
     assert_eq!(simulate(&["ridge", "--output", "/nowhere/a.csv"]).0, 1);
+}
+
+#[test]
+fn faults_go_wrong_in_either_head_and_no_other_column_changes() {
+    let plain = simulate(&["clear-dry", "--seconds", "6"]).1;
+    let args = ["clear-dry", "--seconds", "6", "--fault", "off:nose@1..2", "--fault", "wrong=30:left@2..4"];
+    let (code, hurt, err) = simulate(&args);
+    assert_eq!((code, err.as_str()), (0, "clear-dry with seed 1: 300 frames over 6.0 s\n"));
+    assert_eq!(simulate(&args).1, hurt);
+    let (header, other) = [&plain, &hurt].map(|r| r.lines().find(|l| !l.starts_with('#')).unwrap()).into();
+    assert_eq!(header, other);
+    for name in header.split(',') {
+        let (a, b) = (column(&plain, name), column(&hurt, name));
+        let differ: Vec<usize> = (0..300).filter(|i| a[*i] != b[*i]).collect();
+        let expected: Vec<usize> = match name {
+            "nose_obj_c" | "nose_amb_c" => (50..100).collect(),
+            "left_obj_c" => (100..200).collect(),
+            _ => Vec::new(),
+        };
+        assert_eq!(differ, expected, "{name}");
+    }
+    assert!(column(&hurt, "nose_obj_c")[50..100].iter().all(|c| c.is_empty()));
+    let (code, pairs, _) = simulate(&[
+        "clear-dry",
+        "--seconds",
+        "6",
+        "--differential",
+        "--fault",
+        "ridge=60:left@0..",
+        "--fault=wet:long@1..",
+    ]);
+    assert_eq!(code, 0);
+    let long = |i: usize| column(&pairs, "long_v")[i].parse::<f64>().unwrap().abs();
+    assert!(long(299) < 0.1, "{}", long(299));
+}
+
+#[test]
+fn a_fault_that_cannot_be_is_a_wrong_command_line() {
+    for (fault, more, told) in [
+        ("wet:nose", &[][..], "does not say when"),
+        ("wte:nose@1..", &[], "did you mean wet?"),
+        ("wet:nsoe@1..", &[], "there is no sensor nsoe; did you mean nose?"),
+        ("wet:nose@1..", &["--differential"], "there is no sensor nose; there are long, lat, vert"),
+    ] {
+        let (code, out, err) = simulate(&[&["clear-dry", "--fault", fault], more].concat());
+        assert_eq!((code, out.as_str()), (64, ""), "{fault}");
+        assert!(err.contains(told), "{fault}: {err}");
+    }
+    let list = simulate(&["--list"]).1;
+    let kinds: Vec<&str> = list.lines().skip_while(|l| !l.is_empty()).skip(3).collect();
+    assert_eq!(kinds.len(), 14);
+    for kind in kinds {
+        let text = kind.split(' ').next().unwrap().replace("SENSOR", "nose").replace("SIDE", "left") + "@0..";
+        assert_eq!(simulate(&["clear-dry", "--seconds", "0.1", "--fault", &text]).0, 0, "{text}");
+    }
 }

@@ -12,7 +12,8 @@ use irhorizon::time::Time;
 use proptest::prelude::*;
 
 const FIELD: FieldOfView = FieldOfView::Gaussian { fwhm_deg: 90.0 };
-const CALM: SimulationSettings = SimulationSettings { sky: SkyName::Namibia, noise_c: 0.0, lag_s: 0.0, seed: 1 };
+const CALM: SimulationSettings =
+    SimulationSettings { sky: SkyName::Namibia, noise_c: 0.0, lag_s: 0.0, seed: 1, faults: Vec::new() };
 const NOSE: usize = 0;
 const TAIL: usize = 1;
 const LEFT: usize = 2;
@@ -229,7 +230,7 @@ fn the_lag_does_not_depend_on_the_rate() {
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_whenever_it_is_started() {
-    let settings = SimulationSettings { sky: SkyName::Durham, noise_c: 0.1, lag_s: 0.1, seed: 42 };
+    let settings = SimulationSettings { sky: SkyName::Durham, noise_c: 0.1, lag_s: 0.1, seed: 42, ..CALM };
     let bytes = |settings: &SimulationSettings| format!("{:?}", frames(&mut six(settings), 6, 50.0, 20.0));
     assert_eq!(bytes(&settings), bytes(&settings));
     assert_ne!(bytes(&settings), bytes(&SimulationSettings { seed: 43, ..settings.clone() }));

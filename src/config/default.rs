@@ -39,6 +39,6 @@ impl Default for Settings {
 /// A clear night.
 impl Default for SimulationSettings {
     fn default() -> Self {
-        Self { sky: SkyName::Namibia, noise_c: 0.08, lag_s: 0.1, seed: 1 }
+        Self { sky: SkyName::Namibia, noise_c: 0.08, lag_s: 0.1, seed: 1, faults: Vec::new() }
     }
 }

@@ -32,6 +32,9 @@ pub use change::{Change, changes};
 pub use error::{ConfigError, ConfigErrors};
 pub use settings::Settings;
 
+pub(crate) use nearest::nearest;
+pub(crate) use source::quoted;
+
 use source::{Place, Source};
 use std::path::{Path, PathBuf};
 

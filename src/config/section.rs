@@ -211,6 +211,24 @@ impl<'a> Section<'a> {
         None
     }
 
+    /// Strings with their places, none when the key is not there; `expected` says what they are.
+    pub fn strings(&mut self, key: &'static str, expected: &str) -> Vec<(Place, &'a str)> {
+        let Some(node) = self.ask(key) else { return Vec::new() };
+        let Value::Array(nodes) = &node.value else {
+            self.wrong_kind(key, node, &format!("an array of strings ({expected})"));
+            return Vec::new();
+        };
+        let string = |n: &'a Node| match &n.value {
+            Value::String(s) => Some((n.place, s.as_str())),
+            other => {
+                let what = other.what();
+                self.findings.add(n.place, format!("{}{key} holds {what}, expected strings: {expected}", self.prefix));
+                None
+            }
+        };
+        nodes.iter().filter_map(string).collect()
+    }
+
     /// One of `choices` by its name. A name among `later` is a good one of which this version knows
     /// nothing.
     pub fn choice<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)], later: &[&str]) -> Option<T> {

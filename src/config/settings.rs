@@ -4,6 +4,7 @@ pub use super::method::Method;
 
 use crate::direction::Direction;
 use crate::head::{Head, Sensor, SensorKind};
+use crate::simulation::Fault;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -343,4 +344,6 @@ pub struct SimulationSettings {
     pub lag_s: f64,
     /// The seed of the noise: the same seed, the same flight.
     pub seed: u64,
+    /// What goes wrong on purpose; the sensors named are there.
+    pub faults: Vec<Fault>,
 }

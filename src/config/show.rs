@@ -72,6 +72,8 @@ pub fn show(settings: &Settings) -> String {
         out.set("noise-c", s.noise_c);
         out.set("lag-s", s.lag_s);
         out.set("seed", s.seed);
+        let faults: Vec<String> = s.faults.iter().map(|f| string(&f.to_string())).collect();
+        out.set("faults", format_args!("[{}]", faults.join(", ")));
     }
     out.0
 }

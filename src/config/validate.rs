@@ -10,6 +10,8 @@ use super::settings::{
     OnFault, Settings, SimulationSettings, SkyName,
 };
 use super::source::Place;
+use crate::direction::Direction;
+use crate::simulation::Fault;
 use std::time::Duration;
 
 /// Reads all of `root`; what is wrong goes to `findings`.
@@ -33,7 +35,7 @@ pub fn validate<'a>(root: &'a Table, findings: &'a Findings<'a>) -> (Settings, S
         faults: faults(root.section("faults", "[faults]", "faults."), defaults.faults),
         mavlink: mavlink(root.section("mavlink", "[mavlink]", "mavlink."), defaults.mavlink, findings, rate_hz),
         dbus: dbus(root.section("dbus", "[dbus]", "dbus."), defaults.dbus),
-        simulation: simulation(root.section("simulation", "[simulation]", "simulation.")),
+        simulation: simulation(root.section("simulation", "[simulation]", "simulation."), &sensors, findings),
     };
     root.finish();
     (settings, sensors)
@@ -105,7 +107,7 @@ fn dbus(mut s: Section<'_>, d: DbusSettings) -> DbusSettings {
     DbusSettings { bus, update_hz }
 }
 
-fn simulation(mut s: Section<'_>) -> Option<SimulationSettings> {
+fn simulation(mut s: Section<'_>, sensors: &Sensors<'_>, findings: &Findings<'_>) -> Option<SimulationSettings> {
     let d = SimulationSettings::default();
     let enabled = s.boolean("enabled").unwrap_or(false);
     let settings = SimulationSettings {
@@ -113,9 +115,39 @@ fn simulation(mut s: Section<'_>) -> Option<SimulationSettings> {
         noise_c: s.range("noise-c", 0.0, 5.0, " K").unwrap_or(d.noise_c),
         lag_s: s.range("lag-s", 0.0, 5.0, " s").unwrap_or(d.lag_s),
         seed: s.integer("seed", 0, i64::MAX, "0 or more, below 2^63").map_or(d.seed, i64::unsigned_abs),
+        faults: flight_faults(&mut s, sensors, findings),
     };
+    if !enabled && !settings.faults.is_empty() {
+        s.wrong(
+            "faults",
+            "are for a simulated flight alone and this configuration reads hardware: take them out, or set enabled = \
+             true under [simulation]",
+        );
+    }
     s.finish();
     enabled.then_some(settings)
+}
+
+/// `faults = ["wet:nose@10..40", …]`, of the sensors that there are.
+fn flight_faults(s: &mut Section<'_>, sensors: &Sensors<'_>, findings: &Findings<'_>) -> Vec<Fault> {
+    let named: Vec<&str> = sensors.good.iter().map(|r| r.settings.name.as_str()).collect();
+    let names = if named.is_empty() { Direction::NAMED.map(|(name, _)| name).to_vec() } else { named };
+    let read = |(place, text): (Place, &str)| match text.parse::<Fault>() {
+        // Where a sensor is wrong itself nobody knows which there are.
+        Ok(fault) => match fault.check(&names) {
+            Err(e) if sensors.complete => Err((place, e)),
+            _ => Ok(fault),
+        },
+        Err(e) => Err((place, e)),
+    };
+    let mut faults = Vec::new();
+    for fault in s.strings("faults", "faults such as \"wet:nose@10..40\"").into_iter().map(read) {
+        match fault {
+            Ok(fault) => faults.push(fault),
+            Err((place, e)) => findings.add(place, format!("simulation.faults: {e}")),
+        }
+    }
+    faults
 }
 
 /// A GPIO line `{ chip = …, line = …, active-low = … }`.

@@ -2,6 +2,7 @@
 
 use super::recording_args::{PlotCommand, RecordingArgs, ScoreArgs};
 use crate::config::settings::BusAddress;
+use crate::simulation::Fault;
 use crate::simulation::scenario::{self, LIST};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -165,6 +166,9 @@ pub struct SimulateArgs {
     /// Three pairs in volts instead of six temperatures
     #[arg(long)]
     pub differential: bool,
+    /// What goes wrong, such as wet:nose@10..40 (s); again for more; the kinds are with --list
+    #[arg(long = "fault", value_name = "KIND[=STRENGTH][:WHO]@FROM..TO")]
+    pub faults: Vec<Fault>,
     /// Where the recording goes; standard output when not given
     #[arg(long)]
     pub output: Option<PathBuf>,

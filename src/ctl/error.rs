@@ -2,6 +2,7 @@
 
 use super::kit::{Cause, DaemonError};
 use crate::recording::ReadError;
+use crate::simulation::FaultError;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::io;
@@ -102,6 +103,9 @@ pub enum CtlError {
         /// What it needs.
         needs: &'static str,
     },
+    /// A fault that this head cannot have.
+    #[error("--fault cannot be: {0}")]
+    Fault(#[from] FaultError),
     /// A file cannot be written.
     #[error("writing {path} failed{}", kept(*.rows))]
     Write {
@@ -148,6 +152,7 @@ impl CtlError {
     pub fn code(&self) -> u8 {
         match self {
             Self::NoDaemon(_) => EXIT_NO_DAEMON,
+            Self::Fault(_) => EXIT_USAGE,
             _ => EXIT_FAILED,
         }
     }

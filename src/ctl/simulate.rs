@@ -5,6 +5,7 @@ use super::error::CtlError;
 use crate::frame::Frame;
 use crate::head::{Head, SensorKind};
 use crate::recording::{Reference, Writer};
+use crate::simulation::fault::kind;
 use crate::simulation::scenario::LIST;
 use crate::simulation::{Scenario, SimulatedSource};
 use crate::source::FrameSource;
@@ -60,7 +61,10 @@ fn configuration(head: &Head) -> String {
 /// Does what the command line says; a summary goes to `err`.
 pub fn command(args: &SimulateArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<(), CtlError> {
     let Some(mut scenario) = args.scenario.as_deref().filter(|_| !args.list).and_then(Scenario::named) else {
-        let list: String = LIST.iter().map(|(name, about)| format!("{name:<16} {about}\n")).collect();
+        let mut list: String = LIST.iter().map(|(name, about)| format!("{name:<16} {about}\n")).collect();
+        list += "\nFaults, --fault KIND=STRENGTH:WHO@FROM..TO, with the strength when not said; SENSOR can be all, SIDE is\n\
+                 left, right, or ° clockwise from north:\n";
+        list += &kind::list();
         return out.write_all(list.as_bytes()).and_then(|()| out.flush()).map_err(CtlError::Output);
     };
     scenario = scenario.lasting(args.seconds);
@@ -74,9 +78,12 @@ pub fn command(args: &SimulateArgs, out: &mut dyn Write, err: &mut dyn Write) ->
         scenario = scenario.differential();
     }
     let (head, frames) = (scenario.head(), (args.seconds * args.rate).round().max(1.0) as u64);
+    let names: Vec<&str> = head.sensors.iter().map(|s| s.name.as_str()).collect();
+    args.faults.iter().try_for_each(|fault| fault.check(&names))?;
     let write = |sink: &mut dyn Write| {
         let mut out = BufWriter::with_capacity(BUFFER, sink);
-        simulate(&mut scenario.source(args.seed), &head, args.rate, frames, &mut out)
+        let mut source = scenario.source(args.seed).with_faults(args.faults.clone());
+        simulate(&mut source, &head, args.rate, frames, &mut out)
     };
     match &args.output {
         None => write(out).map_err(CtlError::Output)?,

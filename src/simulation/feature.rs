@@ -77,6 +77,8 @@ pub struct Cloud {
     pub edge_deg: f64,
 }
 
+/// A cloud's underside is this much colder than the ground, K.
+pub(super) const CLOUD_BASE_K: f64 = 8.0;
 const AZIMUTHS: usize = 360;
 const ELEVATIONS: usize = 91;
 
@@ -102,7 +104,7 @@ impl Clouds {
     /// Cumulus that covers `cover` (0..1) of the sky, chosen by `seed`: clouds of so many degrees of radius
     /// (least, most) with soft edges, 8 K colder than the ground, that drift by 0.1 °/s.
     pub fn cumulus(cover: f64, radius_deg: (f64, f64), seed: u64) -> Self {
-        let mut made = Self::new(&[], 0.1, 8.0);
+        let mut made = Self::new(&[], 0.1, CLOUD_BASE_K);
         let mut noise = Noise::new(seed);
         // Each adds about half a percent: a sky that cannot be filled ends too.
         for _ in 0..2000 {
@@ -160,8 +162,14 @@ impl Clouds {
 
     /// What is left of a sky that is `deficit_k` colder than the ground, K.
     pub(super) fn through_k(&self, deficit_k: f64, azimuth: f64, elevation: f64, time_s: f64) -> f64 {
-        deficit_k - self.opacity(azimuth, elevation, time_s) * (deficit_k - deficit_k.min(self.base_k))
+        behind_k(deficit_k, self.opacity(azimuth, elevation, time_s), self.base_k)
     }
+}
+
+/// What is left of a sky that is `deficit_k` colder than the ground behind a cloud of an opacity of
+/// 0..1, `base_k` colder than the ground, or as cold as the sky where that is the warmer one. K.
+pub(super) fn behind_k(deficit_k: f64, opacity: f64, base_k: f64) -> f64 {
+    deficit_k - opacity * (deficit_k - deficit_k.min(base_k))
 }
 
 /// An angle in (−π, π].

@@ -1,10 +1,12 @@
 //! What each sensor shows: the response to the sky, its lag, its noise, its smallest step.
 
+use super::fault::Fault;
+use super::fault::sensors::Effects;
 use super::noise::Noise;
 use super::scene::View;
 use super::script::Weather;
 use crate::direction::Direction;
-use crate::frame::Value;
+use crate::frame::{Missing, Value};
 use crate::head::{Head, SensorKind};
 
 /// The smallest step of an MLX90614, K (datasheet 8.4.5: 0.02 K a bit, from 0 K).
@@ -51,10 +53,12 @@ impl Lag {
 /// A sensor of the head with its state.
 #[derive(Clone, Debug)]
 struct Sensor {
+    name: String,
     direction: Direction,
     kind: SensorKind,
     lag: Lag,
     noise: Noise,
+    effects: Effects,
 }
 
 /// A head's sensors under a sky. Nothing is allocated after it is made.
@@ -65,6 +69,8 @@ pub struct SimulatedHead {
     die_c: f64,
     noise_k: f64,
     volts_step: f64,
+    seed: u64,
+    time_s: f64,
 }
 
 impl SimulatedHead {
@@ -76,13 +82,15 @@ impl SimulatedHead {
             .sensors
             .iter()
             .map(|s| Sensor {
+                name: s.name.clone(),
                 direction: s.direction,
                 kind: s.kind,
                 lag: Lag::new(lag_s),
                 noise: Noise::new(seeds.bits()),
+                effects: Effects::default(),
             })
             .collect();
-        Self { sensors, die: Lag::new(DIE_LAG_S), die_c: 0.0, noise_k, volts_step: VOLTS_STEP }
+        Self { sensors, die: Lag::new(DIE_LAG_S), die_c: 0.0, noise_k, volts_step: VOLTS_STEP, seed, time_s: 0.0 }
     }
 
     /// The smallest step of a pair's channel, V; 0 for none.
@@ -90,34 +98,46 @@ impl SimulatedHead {
         self.volts_step = volts_step;
     }
 
+    /// What goes wrong with its sensors, in place of what did.
+    pub fn set_faults(&mut self, faults: &[Fault]) {
+        for (i, sensor) in self.sensors.iter_mut().enumerate() {
+            sensor.effects = Effects::new(faults, &sensor.name, i, self.seed);
+        }
+    }
+
     /// Goes on by `dt_s` to `weather`: once a scan, before the sensors.
     pub fn advance(&mut self, weather: &Weather, dt_s: f64) {
+        self.time_s = weather.time_s;
         self.die_c = self.die.update(weather.ground_c + DIE_ABOVE_GROUND_K, dt_s);
     }
 
-    /// What sensor `index` shows of a view, `dt_s` after it was last asked.
-    pub fn sense(&mut self, index: usize, view: &View<'_>, dt_s: f64) -> Value {
-        let sensor = &mut self.sensors[index];
-        let noise = self.noise_k * sensor.noise.normal();
-        match sensor.kind {
+    /// What sensor `index` shows of a view, `dt_s` after it was last asked; or why it shows nothing.
+    pub fn sense(&mut self, index: usize, view: &View<'_>, dt_s: f64) -> Result<Value, Missing> {
+        let Sensor { direction, kind, lag, noise, effects, .. } = &mut self.sensors[index];
+        let added = self.noise_k * noise.normal() + effects.offset_k(self.time_s);
+        let value = match *kind {
             SensorKind::Absolute => {
-                let seen = sensor.lag.update(view.sensor_c(sensor.direction), dt_s);
-                Value::Absolute { object_c: as_read(seen + noise), ambient_c: Some(as_read(self.die_c)) }
+                let seen = effects.seen(view.sensor_c(*direction), self.die_c, self.time_s, dt_s);
+                let seen = lag.update(seen, dt_s);
+                Value::Absolute { object_c: as_read(seen + added), ambient_c: Some(as_read(self.die_c)) }
             }
             SensorKind::Pair { neutral_v, kelvin_per_v } => {
-                let seen = sensor.lag.update(view.pair_k(sensor.direction), dt_s);
-                Value::Volts(quantised(neutral_v + (seen + noise) / kelvin_per_v, self.volts_step))
+                // Water on both sides of a pair leaves no difference.
+                let seen = effects.seen(view.pair_k(*direction), 0.0, self.time_s, dt_s);
+                let seen = lag.update(seen, dt_s);
+                Value::Volts(quantised(neutral_v + (seen + added) / kelvin_per_v, self.volts_step))
             }
-        }
+        };
+        effects.said(value, self.time_s, self.volts_step)
     }
 }
 
 /// A temperature as an MLX90614 gives it, °C.
-fn as_read(temperature_c: f64) -> f64 {
+pub(super) fn as_read(temperature_c: f64) -> f64 {
     quantised(temperature_c + 273.15, ABSOLUTE_STEP_K) - 273.15
 }
 
-fn quantised(value: f64, step: f64) -> f64 {
+pub(super) fn quantised(value: f64, step: f64) -> f64 {
     if step > 0.0 { (value / step).round() * step } else { value }
 }
 

@@ -11,7 +11,7 @@ use super::scene::Scene;
 use super::script::Weather;
 use super::source::SimulatedSource;
 use super::trajectory::Trajectory;
-use crate::config::settings::{SimulationSettings, SkyName};
+use crate::config::settings::SimulationSettings;
 use crate::direction::Direction;
 use crate::head::{Head, Sensor, SensorKind};
 use crate::sky::{Averaging, FieldOfView, Response, Shape, Sky};
@@ -167,8 +167,8 @@ impl Scenario {
     /// Chance has its say: the same seed gives the same frames.
     pub fn source(&self, seed: u64) -> SimulatedSource {
         let mut seeds = Noise::new(seed);
-        let settings =
-            SimulationSettings { sky: SkyName::Namibia, noise_c: self.noise_k, lag_s: self.lag_s, seed: seeds.bits() };
+        let (noise_c, lag_s, seed) = (self.noise_k, self.lag_s, seeds.bits());
+        let settings = SimulationSettings { noise_c, lag_s, seed, ..SimulationSettings::default() };
         let (sin, cos) = (std::f64::consts::TAU * seeds.uniform()).sin_cos();
         let uncoordinated = self.name == "uncoordinated";
         let usual = Aircraft { wind_m_s: [5.0 * cos, 5.0 * sin], uncoordinated, ..Aircraft::default() };

@@ -4,10 +4,12 @@
 //! is integrated over the field of view, on a few hundred rays.
 
 use super::bundle::{Ray, rays};
+use super::fault::surroundings::Seen;
 use super::feature::{Clouds, Ridge, WarmSide};
 use super::ground::Patchwork;
 use super::orientation::Orientation;
 use super::script::Weather;
+use super::straight::Straight;
 use crate::direction::Direction;
 use crate::sky::{Averaging, FieldOfView, Response, Sky};
 
@@ -72,28 +74,36 @@ impl Scene {
 
     /// What is seen of it from an airframe at `orientation` in `weather`, 100 m above the ground.
     pub fn view<'a>(&'a self, orientation: Orientation, weather: &'a Weather) -> View<'a> {
-        View { scene: self, orientation, weather, place_m: [0.0, 0.0, 100.0] }
+        View { scene: self, orientation, weather, place_m: [0.0, 0.0, 100.0], beside: &[] }
+    }
+
+    /// What is seen of the even sky, over a ground of `ground_c`.
+    pub(super) fn seen(&self, ground_c: f64) -> Seen {
+        Seen { contrast: self.response.pair_k(1.0, ground_c, 1.0), up: self.response.deficit(1.0) }
     }
 
     fn is_symmetrical(&self) -> bool {
         self.warm.is_empty() && self.ridges.is_empty() && self.clouds.is_none() && self.patchwork.is_none()
     }
 
-    /// What is seen from a place (m to north, to east, above the ground) in one direction (north,
-    /// east, up) less what the symmetrical sky would show, in the averaged quantity.
-    fn excess(&self, place_m: [f64; 3], [north, east, up]: [f64; 3], weather: &Weather) -> f64 {
+    /// What a view has in one direction (north, east, up) less what the symmetrical sky would show, in
+    /// the averaged quantity.
+    fn excess(&self, view: &View<'_>, [north, east, up]: [f64; 3]) -> f64 {
+        let View { weather, place_m, beside, .. } = *view;
         let deficit_k = weather.sky_max_k * self.sky.shape.deficit(up);
         let mut seen_k = deficit_k;
         let mut ground = up <= 0.0;
-        if !ground && (self.clouds.is_some() || !self.ridges.is_empty()) {
+        if !ground && (self.clouds.is_some() || !self.ridges.is_empty() || !beside.is_empty()) {
             let azimuth = east.atan2(north);
             let level = north.hypot(east);
-            ground = self.ridges.iter().any(|r| up < level * r.outline(azimuth));
-            seen_k = match &self.clouds {
-                _ if ground => 0.0,
+            ground = self.ridges.iter().any(|r| up < level * r.outline(azimuth))
+                || beside.iter().any(|s| s.is_ground([north, east, up]));
+            let sky_k = match &self.clouds {
                 Some(clouds) => clouds.through_k(deficit_k, azimuth, up.atan2(level), weather.time_s),
                 None => deficit_k,
             };
+            let through_k = |sky_k, s: &Straight| s.through_k(sky_k, [north, east, up]);
+            seen_k = if ground { 0.0 } else { beside.iter().fold(sky_k, through_k) };
         }
         for warm in &self.warm {
             seen_k -= warm.warmth_k(north, east, ground);
@@ -118,12 +128,19 @@ pub struct View<'a> {
     orientation: Orientation,
     weather: &'a Weather,
     place_m: [f64; 3],
+    beside: &'a [Straight],
 }
 
-impl View<'_> {
+impl<'a> View<'a> {
     /// The same from a place: m to north, to east, above the ground.
     pub fn from(mut self, place_m: [f64; 3]) -> Self {
         self.place_m = place_m;
+        self
+    }
+
+    /// With what runs past it.
+    pub fn beside(mut self, beside: &'a [Straight]) -> Self {
+        self.beside = beside;
         self
     }
 
@@ -132,7 +149,7 @@ impl View<'_> {
         let (scene, weather) = (self.scene, self.weather);
         let axis = self.orientation.to_world(direction.components());
         let even_c = scene.response.sensor_c(axis[2], weather.ground_c, weather.sky_max_k);
-        if scene.is_symmetrical() {
+        if scene.is_symmetrical() && self.beside.is_empty() {
             return even_c;
         }
         let level = axis[0].hypot(axis[1]);
@@ -145,7 +162,7 @@ impl View<'_> {
             .iter()
             .map(|r| {
                 let world = std::array::from_fn(|i| r.along * axis[i] + r.across * above[i] + r.aside * beside[i]);
-                r.weight * scene.excess(self.place_m, world, weather)
+                r.weight * scene.excess(self, world)
             })
             .sum();
         match scene.averaging {

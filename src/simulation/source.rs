@@ -1,5 +1,6 @@
 //! A made-up flight as a source of frames.
 
+use super::fault::{Fault, surroundings};
 use super::flight::Flight;
 use super::head::SimulatedHead;
 use super::instruments::Instruments;
@@ -7,6 +8,7 @@ use super::noise::Noise;
 use super::orientation::Orientation;
 use super::scene::Scene;
 use super::script::{Outage, Weather};
+use super::straight::Straight;
 use super::trajectory::Trajectory;
 use crate::attitude::Attitude;
 use crate::config::settings::{SimulationSettings, SkyName};
@@ -24,6 +26,16 @@ enum Path {
     Trajectory(Trajectory),
 }
 
+impl Path {
+    /// Where the nose points `time_s` after the flight began, rad; 0 for a flight without heading.
+    fn yaw(&self, time_s: f64) -> f64 {
+        match self {
+            Self::Flight(_) => 0.0,
+            Self::Trajectory(trajectory) => trajectory.at(time_s).angles[2],
+        }
+    }
+}
+
 /// Flies through a made-up sky. The same settings, seed and ticks give the same bytes.
 #[derive(Clone, Debug)]
 pub struct SimulatedSource {
@@ -37,6 +49,9 @@ pub struct SimulatedSource {
     /// In order of time; empty: the sky's own values for ever.
     weather: Vec<Weather>,
     outages: Vec<Outage>,
+    faults: Vec<Fault>,
+    /// What runs past the flight now.
+    beside: Vec<Straight>,
     /// When the flight began.
     origin: Option<Time>,
     last_tick: Option<Time>,
@@ -56,7 +71,7 @@ impl SimulatedSource {
         };
         let (integrity, lag_s) = (Integrity::None, settings.lag_s);
         let health = SensorHealth { integrity, settling_s: lag_s, lag_s, ..SensorHealth::default() };
-        Self {
+        let source = Self {
             path: Path::Flight(Flight::demo(settings.seed)),
             instruments: None,
             dropped: (0.0, Noise::new(settings.seed)),
@@ -65,12 +80,15 @@ impl SimulatedSource {
             head: SimulatedHead::new(head, settings.lag_s, settings.noise_c, settings.seed),
             weather: Vec::new(),
             outages: Vec::new(),
+            faults: Vec::new(),
+            beside: Vec::new(),
             origin: None,
             last_tick: None,
             health: vec![health; head.sensors.len()],
             bus_of: head.sensors.iter().map(|s| s.bus).collect(),
             buses_down: vec![None; head.buses.len()],
-        }
+        };
+        source.with_faults(settings.faults.clone())
     }
 
     /// Another flight.
@@ -122,6 +140,16 @@ impl SimulatedSource {
         self
     }
 
+    /// What goes wrong on purpose, in place of what the settings say. A fault of a sensor that the head
+    /// has not touches nothing: see [`Fault::check`].
+    pub fn with_faults(mut self, faults: Vec<Fault>) -> Self {
+        self.head.set_faults(&faults);
+        // A valley has two sides.
+        self.beside = Vec::with_capacity(2 * faults.len());
+        self.faults = faults;
+        self
+    }
+
     /// The smallest step of a pair's channel, V; 0 for none. An ADS1115's at ±2.048 V when not said.
     pub fn with_volts_step(mut self, volts_step: f64) -> Self {
         self.head.set_volts_step(volts_step);
@@ -146,10 +174,7 @@ impl SimulatedSource {
     /// Where the nose truly points at `time`, rad clockwise from north in 0..2π; 0 for a flight
     /// without heading.
     pub fn yaw_at(&self, time: Time) -> f64 {
-        match &self.path {
-            Path::Flight(_) => 0.0,
-            Path::Trajectory(trajectory) => trajectory.at(self.flown_s(time)).angles[2].rem_euclid(TAU),
-        }
+        self.path.yaw(self.flown_s(time)).rem_euclid(TAU)
     }
 
     /// The weather at `time`.
@@ -157,7 +182,8 @@ impl SimulatedSource {
         let time_s = self.flown_s(time);
         let Sky { ground_c, sky_max_k, .. } = self.scene.sky();
         let weather = Weather::at(&self.weather, time_s).unwrap_or(Weather { time_s, ground_c, sky_max_k });
-        Weather { time_s, ..weather }
+        let weather = Weather { time_s, ..weather };
+        surroundings::weather(&self.faults, weather, self.scene.seen(weather.ground_c))
     }
 
     fn flown_s(&self, time: Time) -> f64 {
@@ -172,7 +198,9 @@ impl FrameSource for SimulatedSource {
         self.last_tick = Some(tick);
         let (flown_s, weather) = (self.flown_s(tick), self.weather_at(tick));
         let orientation = Orientation::new(self.truth_at(tick), self.yaw_at(tick));
-        let mut view = self.scene.view(orientation, &weather);
+        self.beside.clear();
+        self.beside.extend(surroundings::beside(&self.faults, flown_s, |time_s| self.path.yaw(time_s)));
+        let mut view = self.scene.view(orientation, &weather).beside(&self.beside);
         if let Path::Trajectory(trajectory) = &self.path {
             view = view.from(trajectory.at(flown_s).place_m);
         }
@@ -185,12 +213,12 @@ impl FrameSource for SimulatedSource {
         for (i, (reading, health)) in frame.readings.iter_mut().zip(&mut self.health).enumerate() {
             // A sensor that does not answer goes on looking.
             let value = self.head.sense(i, &view, dt_s);
-            *reading = match Outage::at(&self.outages, i, flown_s) {
-                None => {
+            *reading = match Outage::at(&self.outages, i, flown_s).map_or(value, Err) {
+                Ok(value) => {
                     health.counters.reads += 1;
                     Ok(Sample { value, time: tick })
                 }
-                Some(reason) => {
+                Err(reason) => {
                     let counter = match reason {
                         Missing::NoAnswer => &mut health.counters.no_answer,
                         Missing::BadPec => &mut health.counters.bad_pec,
