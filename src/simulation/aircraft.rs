@@ -2,6 +2,7 @@
 
 use super::feature::wrapped;
 use crate::attitude::Attitude;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Standard gravity, m/s².
 const G_M_S2: f64 = 9.806_65;
@@ -43,6 +44,11 @@ impl Default for Aircraft {
 }
 
 impl Aircraft {
+    /// The angle of attack's part of a pitch that may have gone over the top, rad.
+    pub(super) fn lift_at(&self, roll: f64, pitch: f64) -> f64 {
+        if is_over(pitch) { -self.lift(roll + PI)[0] } else { self.lift(roll)[0] }
+    }
+
     /// The angle of attack's part of pitch, `α cos φ`, and its derivative by roll, rad, where α grows
     /// with the load `1/cos φ`.
     pub(super) fn lift(&self, roll: f64) -> [f64; 2] {
@@ -61,7 +67,8 @@ impl Aircraft {
 /// The state of an aircraft at an instant. Angles in rad, rates of the angles in rad/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// Roll, pitch, yaw; roll and yaw go on beyond a full turn.
+    /// Roll, pitch, yaw; all go on beyond a full turn, pitch over the top, where roll and yaw stay as they
+    /// were.
     pub angles: [f64; 3],
     /// Their derivatives.
     pub rates: [f64; 3],
@@ -73,11 +80,26 @@ pub struct State {
     pub place_m: [f64; 3],
 }
 
+/// Whether an aircraft of this pitch went over the top: what its roll calls upright is inverted.
+pub(super) fn is_over(pitch: f64) -> bool {
+    pitch.abs() > FRAC_PI_2 && wrapped(pitch).abs() > FRAC_PI_2
+}
+
 impl State {
     /// Roll and pitch in their ranges.
     pub fn attitude(&self) -> Attitude {
         let [roll, pitch, _] = self.angles;
-        Attitude { roll: wrapped(roll), pitch }
+        let turned = if pitch.abs() > PI { wrapped(pitch) } else { pitch };
+        if is_over(pitch) {
+            Attitude { roll: wrapped(roll + PI), pitch: PI.copysign(turned) - turned }
+        } else {
+            Attitude { roll: wrapped(roll), pitch: turned }
+        }
+    }
+
+    /// Where the nose points, rad clockwise from north, going on beyond a full turn.
+    pub fn yaw(&self) -> f64 {
+        self.angles[2] + if is_over(self.angles[1]) { PI } else { 0.0 }
     }
 
     /// Body rates about nose, right and down, °/s, by Euler's kinematics.

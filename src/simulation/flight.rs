@@ -95,6 +95,14 @@ impl Flight {
 
     /// The attitude `time_s` seconds after the flight began.
     pub fn attitude(&self, time_s: f64) -> Attitude {
+        // By way of the vertical, so that a roll past 180° or a pitch past 90° comes out in range.
+        let [roll, pitch] = self.angles(time_s);
+        let [nose, left, up] = Attitude { roll, pitch }.vertical();
+        Attitude { roll: left.atan2(up), pitch: nose.clamp(-1.0, 1.0).asin() }
+    }
+
+    /// Roll and pitch as the script has them, rad, going on beyond their ranges.
+    pub fn angles(&self, time_s: f64) -> [f64; 2] {
         let [mut roll_deg, mut pitch_deg] = self.planned(time_s);
         if let Some(t) = &self.turbulence {
             let gust = |axis: usize| {
@@ -104,9 +112,7 @@ impl Flight {
             roll_deg += gust(0);
             pitch_deg += gust(1);
         }
-        // By way of the vertical, so that a roll past 180° or a pitch past 90° comes out in range.
-        let [nose, left, up] = Attitude::from_degrees(roll_deg, pitch_deg).vertical();
-        Attitude { roll: left.atan2(up), pitch: nose.clamp(-1.0, 1.0).asin() }
+        [roll_deg, pitch_deg].map(f64::to_radians)
     }
 
     /// Roll and pitch without turbulence, °.

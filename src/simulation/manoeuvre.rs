@@ -43,7 +43,7 @@ pub struct Motion {
     pub roll: f64,
     /// Its derivative.
     pub roll_rate: f64,
-    /// Pitch.
+    /// Pitch, going on beyond π/2 over the top.
     pub pitch: f64,
     /// Its derivative.
     pub pitch_rate: f64,
@@ -83,7 +83,7 @@ impl Follower {
 #[derive(Clone, Debug)]
 pub(super) enum Pilot<'a> {
     Random(Box<RandomPilot>),
-    Scripted { flight: &'a Flight, roll: f64 },
+    Scripted(&'a Flight),
 }
 
 /// One who follows nothing but a seed.
@@ -101,7 +101,7 @@ pub(super) struct RandomPilot {
 impl<'a> Pilot<'a> {
     pub fn new(style: &'a Style, seed: u64) -> Self {
         match style {
-            Style::Scripted(flight) => Self::Scripted { flight, roll: 0.0 },
+            Style::Scripted(flight) => Self::Scripted(flight),
             Style::Random(limits) => {
                 let mut noise = Noise::new(seed);
                 let gusts = [
@@ -119,11 +119,7 @@ impl<'a> Pilot<'a> {
     pub fn step(&mut self, time_s: f64, dt_s: f64, lift: impl Fn(f64) -> [f64; 2]) -> Motion {
         match self {
             Self::Random(pilot) => pilot.step(time_s, dt_s, lift),
-            Self::Scripted { flight, roll } => {
-                let motion = scripted(flight, time_s, *roll);
-                *roll = motion.roll;
-                motion
-            }
+            Self::Scripted(flight) => scripted(flight, time_s),
         }
     }
 }
@@ -157,15 +153,10 @@ impl RandomPilot {
     }
 }
 
-/// The motion of a script, whose roll is continued from `roll`.
-fn scripted(flight: &Flight, time_s: f64, roll: f64) -> Motion {
+/// The motion of a script.
+fn scripted(flight: &Flight, time_s: f64) -> Motion {
     const STEP_S: f64 = 1e-4;
-    let [before, now, after] = [-STEP_S, 0.0, STEP_S].map(|step| flight.attitude(time_s + step));
-    let turn = |from: f64, to: f64| super::feature::wrapped(to - from);
-    Motion {
-        roll: roll + turn(roll, now.roll),
-        roll_rate: turn(before.roll, after.roll) / (2.0 * STEP_S),
-        pitch: now.pitch,
-        pitch_rate: (after.pitch - before.pitch) / (2.0 * STEP_S),
-    }
+    let [before, [roll, pitch], after] = [-STEP_S, 0.0, STEP_S].map(|step| flight.angles(time_s + step));
+    let [roll_rate, pitch_rate] = std::array::from_fn(|i| (after[i] - before[i]) / (2.0 * STEP_S));
+    Motion { roll, roll_rate, pitch, pitch_rate }
 }

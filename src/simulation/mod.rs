@@ -1,7 +1,7 @@
 //! A made-up flight under a made-up sky, in place of the hardware.
 //!
 //! - [`noise`]: a generator of its own, so that the same seed gives the same bytes everywhere.
-//! - [`flight`]: attitude against time, by a script.
+//! - [`flight`]: attitude against time, by a script; [`aerobatics`]: scripts over the top.
 //! - [`trajectory`]: a flight with heading, speed and rates; [`aircraft`]: what flies it;
 //!   [`manoeuvre`]: what its pilot does; [`turbulence`]: what the air does.
 //! - [`scene`]: what is seen of a world that differs all around; [`feature`], [`ground`]: what makes
@@ -13,6 +13,7 @@
 //! - [`source`]: all of it as a source of frames.
 //! - [`scenario`]: flights and scenes with names.
 
+pub mod aerobatics;
 pub mod aircraft;
 pub mod bundle;
 pub mod fault;

@@ -1,8 +1,9 @@
 //! Flights and scenes with names, for tests, for tuning and for whoever wants to try the estimators.
 
+use super::aerobatics::{aerobatics, rolls};
 use super::aircraft::Aircraft;
 use super::feature::{Clouds, Ridge, Round, WarmSide};
-use super::flight::{Flight, Waypoint};
+use super::flight::Flight;
 use super::ground::Patchwork;
 use super::instruments::{Fitted, Instruments};
 use super::manoeuvre::{Random, Style};
@@ -22,7 +23,7 @@ pub const SECONDS: f64 = 300.0;
 const FIELD_DEG: f64 = 90.0;
 
 /// The names, with what they stand for.
-pub const LIST: [(&str, &str); 19] = [
+pub const LIST: [(&str, &str); 20] = [
     ("clear-dry", "a dry grey atmosphere, contrast 40 K"),
     ("clear-humid", "a humid grey atmosphere, contrast 25 K"),
     ("namibia", "the report's Namibian night"),
@@ -37,6 +38,7 @@ pub const LIST: [(&str, &str); 19] = [
     ("lag-0.3", "clear and dry, sensors that lag by 0.3 s"),
     ("no-lag", "clear and dry, sensors without lag"),
     ("inverted", "clear and dry, rolls and inverted flight"),
+    ("aerobatics", "clear and dry, loops, rolls, half of each"),
     ("ridge", "clear and dry, with ridges of 20° and 8°"),
     ("patchwork", "clear and dry, over fields and woods that differ by 3 K rms"),
     ("radiance", "clear and dry, sensors that average radiance"),
@@ -94,6 +96,7 @@ impl Scenario {
             "lag-0.3" => made.lag_s = 0.3,
             "no-lag" => made.lag_s = 0.0,
             "inverted" => made.style = Some(Style::Scripted(rolls())),
+            "aerobatics" => made.style = Some(Style::Scripted(aerobatics())),
             "radiance" => made.averaging = Averaging::Radiance,
             "narrow" => made.field_deg = 70.0,
             _ => {}
@@ -221,31 +224,4 @@ fn into_cloud() -> Vec<Weather> {
         [at(begin, 40.0), at(begin + 1.5, 10.0), at(begin + 16.5, 10.0), at(begin + 18.0, 40.0)]
     };
     (0..2160).flat_map(cycle).collect()
-}
-
-/// Rolls both ways, inverted flight, and turns between them, in turbulence.
-fn rolls() -> Flight {
-    // Seconds since the last, roll.
-    let cycle: [(f64, f64); 14] = [
-        (5.0, 0.0),
-        (6.0, 360.0),
-        (4.0, 360.0),
-        (3.0, 540.0),
-        (8.0, 540.0),
-        (1.0, 560.0),
-        (4.0, 560.0),
-        (3.0, 720.0),
-        (4.0, 720.0),
-        (2.0, 680.0),
-        (8.0, 680.0),
-        (2.0, 720.0),
-        (3.0, 720.0),
-        (8.0, 0.0),
-    ];
-    let mut time_s = 0.0;
-    let waypoints = cycle.iter().cycle().take(cycle.len() * 1500).map(|(step_s, roll_deg)| {
-        time_s += step_s;
-        Waypoint { time_s, roll_deg: *roll_deg, pitch_deg: 3.0 }
-    });
-    Flight::scripted(waypoints.collect()).with_turbulence(1.3, 0.5, 1)
 }

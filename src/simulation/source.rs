@@ -31,7 +31,7 @@ impl Path {
     fn yaw(&self, time_s: f64) -> f64 {
         match self {
             Self::Flight(_) => 0.0,
-            Self::Trajectory(trajectory) => trajectory.at(time_s).angles[2],
+            Self::Trajectory(trajectory) => trajectory.at(time_s).yaw(),
         }
     }
 }

@@ -51,7 +51,7 @@ impl Trajectory {
                 } else {
                     (course, turn)
                 };
-                let climb = m.pitch - aircraft.lift(m.roll)[0];
+                let climb = m.pitch - aircraft.lift_at(m.roll, m.pitch);
                 let path = path.get_or_insert(climb);
                 *path += (climb - *path) * STEP_S / PATH_LAG_S;
                 let (sin, cos) = path.sin_cos();
@@ -87,6 +87,7 @@ impl Trajectory {
 
 #[cfg(test)]
 mod tests {
+    use super::super::aerobatics::aerobatics;
     use super::super::feature::wrapped;
     use super::super::flight::Flight;
     use super::super::manoeuvre::Random;
@@ -107,29 +108,36 @@ mod tests {
         Trajectory::fly(aircraft, &Style::Random(Random::default()), seconds, seed)
     }
 
+    /// The up or the north of the world (`axis` 2 or 0) on the airframe's axes.
+    fn world_axis(s: &State, axis: usize) -> [f64; 3] {
+        let orientation = Orientation::new(s.attitude(), s.yaw());
+        std::array::from_fn(|j| orientation.to_world(std::array::from_fn(|i| f64::from(u8::from(i == j))))[axis])
+    }
+
     #[test]
     fn body_rates_integrate_back_to_the_attitude() {
-        for aircraft in [Aircraft::default(), Aircraft { uncoordinated: true, ..Aircraft::default() }] {
-            let trajectory = random(&aircraft, 60.0, 5);
+        let usual = Aircraft::default();
+        let over_the_top = Trajectory::fly(&usual, &Style::Scripted(aerobatics()), 240.0, 5);
+        let slack = random(&Aircraft { uncoordinated: true, ..usual }, 60.0, 5);
+        let flights = [(random(&usual, 60.0, 5), 60), (slack, 60), (over_the_top, 240)];
+        for ((trajectory, seconds), axis) in flights.iter().flat_map(|flight| [(flight, 2), (flight, 0)]) {
             // The world's vertical and north turn against the airframe: v' = v × ω on its axes.
-            let start = trajectory.at(0.0);
-            let orientation = |s: &State| Orientation::new(s.attitude(), s.angles[2]);
-            let mut up = orientation(&start).vertical();
+            let mut v = world_axis(&trajectory.at(0.0), axis);
             let dt = 0.0025;
-            for i in 0..24_000 {
+            for i in 0..400 * seconds {
                 let [p, q, r] = trajectory.at((f64::from(i) + 0.5) * dt).body_rates_deg_s().map(f64::to_radians);
                 // About nose, left, up.
                 let w = [p, -q, -r];
                 let turned =
                     |v: [f64; 3]| [v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]];
-                let half = turned(up);
-                let middle: [f64; 3] = std::array::from_fn(|j| up[j] + 0.5 * dt * half[j]);
+                let half = turned(v);
+                let middle: [f64; 3] = std::array::from_fn(|j| v[j] + 0.5 * dt * half[j]);
                 let whole = turned(middle);
-                up = std::array::from_fn(|j| up[j] + dt * whole[j]);
+                v = std::array::from_fn(|j| v[j] + dt * whole[j]);
             }
-            let truth = trajectory.at(60.0).attitude().vertical();
-            let off = up.iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt().to_degrees();
-            assert!(off < 0.1, "{off}°");
+            let truth = world_axis(&trajectory.at(f64::from(*seconds)), axis);
+            let off = v.iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt().to_degrees();
+            assert!(off < 0.1, "axis {axis} after {seconds} s: {off}°");
         }
     }
 
@@ -190,6 +198,33 @@ mod tests {
         let pitch_rms = (squares / n as f64).sqrt();
         assert!((2.0..3.0).contains(&pitch_rms), "{pitch_rms}");
         assert!((50.0..70.0).contains(&steepest[0]) && (15.0..28.0).contains(&steepest[1]), "{steepest:?}");
+    }
+
+    #[test]
+    fn a_loop_goes_round_and_comes_out_where_it_went_in() {
+        let aircraft = Aircraft { airspeed_rms_m_s: 0.0, updraught_m_s: 0.0, ..QUIET };
+        let trajectory = Trajectory::fly(&aircraft, &Style::Scripted(aerobatics()), 240.0, 1);
+        // From 6 to 12 s; at 9 s it is on top, on its back, and flies the other way.
+        let course = |s: &State| s.velocity_m_s[1].atan2(s.velocity_m_s[0]);
+        let [before, top, after] = [6.0, 9.4, 13.0].map(|t| trajectory.at(t));
+        assert!(
+            wrapped(course(&top) - course(&before)).abs() > 2.6
+                && wrapped(course(&after) - course(&before)).abs() < 0.5
+        );
+        assert!((15.0..80.0).contains(&(top.place_m[2] - before.place_m[2])));
+        let mut last = trajectory.at(0.0);
+        for i in 1..48_000 {
+            let s = trajectory.at(f64::from(i) * 0.005);
+            let turned = [0, 2].map(|axis| {
+                let (a, b) = (world_axis(&last, axis), world_axis(&s, axis));
+                a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+            });
+            // No faster than 450 °/s, over the top or not.
+            assert!(turned.iter().all(|t| *t < 0.04), "{turned:?} at {} s", f64::from(i) * 0.005);
+            assert!((50.0..1500.0).contains(&s.place_m[2]), "{:?}", s.place_m);
+            assert!(s.attitude().pitch.abs() <= std::f64::consts::FRAC_PI_2);
+            last = s;
+        }
     }
 
     #[test]
