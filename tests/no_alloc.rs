@@ -13,7 +13,8 @@ use irhorizon::frame::{Frame, Missing};
 use irhorizon::head::Head;
 use irhorizon::horizon::Horizon;
 use irhorizon::recording::Taps;
-use irhorizon::simulation::{Outage, SimulatedSource};
+use irhorizon::simulation::fault::Kind;
+use irhorizon::simulation::{Fault, Outage, SimulatedSource};
 use irhorizon::sky::FieldOfView;
 use irhorizon::source::FrameSource;
 use irhorizon::state::Shared;
@@ -144,6 +145,23 @@ fn faults_come_and_go() {
     // All of them at once: nothing is fresh.
     outages.extend((0..6).map(|sensor| Outage { sensor, from_s: 90.0, to_s: 92.0, reason: Missing::NoAnswer }));
     assert_eq!(allocations(outages, true, 50, 5_000), 0);
+}
+
+/// Every kind of fault on purpose, at the highest rate.
+#[test]
+fn faults_on_purpose_come_and_go() {
+    let faults = Kind::ALL.map(|a| a.kind.example().replace("10..20", "1..8").parse::<Fault>().unwrap());
+    let settings = SimulationSettings { faults: faults.into(), ..SimulationSettings::default() };
+    let mut source = SimulatedSource::new(&settings, &Head::six(), FieldOfView::Gaussian { fwhm_deg: 90.0 });
+    let mut frame = Frame::new(6);
+    let mut before = 0;
+    for i in 0..3000_u64 {
+        if i == 1 {
+            before = ALLOCATIONS.get();
+        }
+        source.scan(Time::from_nanos(i * 5_000_000), &mut frame);
+    }
+    assert_eq!(ALLOCATIONS.get() - before, 0);
 }
 
 /// Each method by itself, with body rates and without, while sensors come and go.

@@ -340,6 +340,57 @@ fn ridge_valley_and_cloud_stand_where_they_are_put_along_their_straight_outline(
     assert!((seen[1] - clear[1]).abs() < 0.1 && (seen[2] - clear[2]).abs() < 0.1);
 }
 
+/// What a sensor of a 90° bell sees, °C, of a world of so many °C at north, east and up: the mean over
+/// its field, whose axis has this azimuth and elevation, °.
+fn mean_c(azimuth_deg: f64, elevation_deg: f64, world_c: impl Fn([f64; 3]) -> f64) -> f64 {
+    let ((sa, ca), (se, ce)) = (azimuth_deg.to_radians().sin_cos(), elevation_deg.to_radians().sin_cos());
+    let (axis, above, beside) = ([ce * ca, ce * sa, se], [-se * ca, -se * sa, ce], [-sa, ca, 0.0]);
+    let (mut sum, mut whole) = (0.0, 0.0);
+    for off_deg in (0..180).map(|i| 0.5 * f64::from(i) + 0.25) {
+        let (sin, cos) = off_deg.to_radians().sin_cos();
+        let weight = sin * 0.5_f64.powf((off_deg / 45.0).powi(2));
+        for around_deg in 0..360 {
+            let (up, side) = f64::from(around_deg).to_radians().sin_cos();
+            let to = std::array::from_fn(|i| cos * axis[i] + sin * (up * above[i] + side * beside[i]));
+            sum += weight * world_c(to);
+            whole += weight;
+        }
+    }
+    sum / whole
+}
+
+#[test]
+fn a_whole_field_sees_as_much_of_a_ridge_a_valley_and_a_cloud_as_they_cover() {
+    // The report's Namibian night: 16 °C, and a sky colder by 40 K (1 − exp(−5.5 E/90)).
+    let sky_c = |up: f64| 16.0 - 40.0 * (1.0 - (-5.5 * up.max(0.0).asin().to_degrees() / 90.0).exp());
+    let (sin, cos) = 300.0_f64.to_radians().sin_cos();
+    let toward = |[north, east, up]: [f64; 3]| up.atan2(north * cos + east * sin).to_degrees();
+    let ridge_c =
+        |height_deg: f64, to: [f64; 3]| if to[2] <= 0.0 || toward(to) < height_deg { 16.0 } else { sky_c(to[2]) };
+    let valley_c = |to: [f64; 3]| ridge_c(35.0, to).max(ridge_c(35.0, [-to[0], -to[1], to[2]]));
+    let cloud_c = |to: [f64; 3]| {
+        // Full 5° below the edge, nothing 5° above, and not a straight line between.
+        let x = ((45.0 - toward(to)) / 10.0).clamp(0.0, 1.0);
+        let cover = if toward(to).abs() < 90.0 { x * x * (3.0 - 2.0 * x) } else { 0.0 };
+        sky_c(to[2]) + cover * (8.0 - sky_c(to[2])).max(0.0)
+    };
+    type World<'a> = &'a dyn Fn([f64; 3]) -> f64;
+    let worlds: [(&str, World<'_>); 4] = [
+        ("ridge:300@1..", &|to| ridge_c(25.0, to)),
+        ("ridge=60:300@1..", &|to| ridge_c(60.0, to)),
+        ("valley:300@1..", &valley_c),
+        ("cloud:300@1..", &cloud_c),
+    ];
+    for (text, world_c) in worlds {
+        let frames = level(&[text], 8.0);
+        let looks = [(0.0, 0.0), (180.0, 0.0), (270.0, 0.0), (90.0, 0.0), (0.0, 90.0), (0.0, -90.0)];
+        for (i, (azimuth_deg, elevation_deg)) in looks.into_iter().enumerate() {
+            let (got, expected) = (object_c(&frames[399], i), mean_c(azimuth_deg, elevation_deg, world_c));
+            assert!((got - expected).abs() < 0.25, "{text}: sensor {i} shows {got}, not {expected}");
+        }
+    }
+}
+
 #[test]
 fn a_ridge_grows_beside_the_heading_of_its_beginning_and_goes() {
     let scenario = Scenario::named("clear-dry").unwrap().lasting(40.0).scripted(1);
@@ -437,6 +488,16 @@ fn a_configuration_has_them_in_a_simulated_flight_alone() {
 }
 
 proptest! {
+    #[test]
+    fn a_configuration_with_any_text_is_refused_or_reads_back(text in "[a-z]{2,5}(=[0-9]{1,3})?(:[a-z]{2,5})?@[0-9]{1,2}[.]{1,3}[0-9]{0,2}|[^\"\\\\\\p{Cc}]{0,80}") {
+        let written = format!("[simulation]\nenabled = true\nfaults = [\"{text}\"]\n");
+        let read = |text: &str| parse(&[("a.toml".into(), text.into())]);
+        match read(&written) {
+            Ok(loaded) => prop_assert_eq!(read(&loaded.text).unwrap().settings, loaded.settings),
+            Err(e) => prop_assert!(e.to_string().contains("simulation.faults"), "{e}"),
+        }
+    }
+
     #[test]
     fn no_text_brings_the_reader_down(text in "\\PC{0,60}") {
         let _ = text.parse::<Fault>().map_err(|e| e.to_string());

@@ -16,6 +16,9 @@ pub fn open(settings: &Settings, head: &Head) -> Result<Box<dyn FrameSource>, St
         Some(simulation) => {
             let field = FieldOfView::Gaussian { fwhm_deg: settings.head.field_of_view_deg };
             log::info!("simulated flight: no hardware is read, the attitude is made up");
+            for fault in &simulation.faults {
+                log::info!("simulated fault: {fault}");
+            }
             Ok(Box::new(SimulatedSource::new(simulation, head, field)))
         }
         None => Ok(Box::new(HardwareSource::open(settings, head).map_err(|e| e.to_string())?)),
