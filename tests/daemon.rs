@@ -154,6 +154,15 @@ fn the_log_is_plain_lines() {
     assert!((2..10).contains(&said.lines().count()), "{said}");
 }
 
+#[test]
+fn a_fault_on_purpose_is_met_as_any_other() {
+    let (folder, receiver) = (Folder::new(), Receiver::new());
+    let faulted = "enabled = true\nfaults = [\"off:nose@0..\", \"wrong:tail@9..10\"]";
+    let daemon = Daemon::start(&folder, &config(50, "none", &[&receiver]).replace("enabled = true", faulted));
+    daemon.says("simulated fault: wrong=8:tail@9..10");
+    daemon.says("sensor-lost:nose: no answer");
+}
+
 /// A nose that is there for 0.2 s and away for 0.2 s, on a clock of its own.
 struct Fluttering {
     health: [SensorHealth; 6],

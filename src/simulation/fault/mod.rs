@@ -2,8 +2,8 @@
 //!
 //! - [`kind`]: what can go wrong, with strength, default and pace.
 //! - [`parse`]: faults as they are written, `KIND=STRENGTH:WHO@FROM..TO`.
-//! - [`sensors`]: what they do to a sensor.
-//! - [`surroundings`]: what they do to weather and terrain.
+//! - `sensors`: what they do to a sensor.
+//! - `surroundings`: what they do to weather and terrain.
 
 pub mod kind;
 pub mod parse;
