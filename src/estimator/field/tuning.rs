@@ -74,7 +74,7 @@ impl Default for Tuning {
             rate_time_s: 0.6,
             rate_learning: 0.5,
             cruise_m_s: 15.0,
-            gyro_walk: deg(0.029),
+            gyro_walk: deg(0.027),
             bias: (deg(1.0), deg(0.003)),
             ground_walk: 0.1,
             contrast: (0.02, 5.0),
