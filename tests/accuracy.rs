@@ -68,24 +68,20 @@ fn misses(what: &str, score: &Score, limits: Limits) -> Vec<String> {
 
 /// What is known to be missed, said in docs/estimation.md: the figures asked for above stay as they are, and
 /// what is reached instead must not get worse than this.
-const KNOWN: [(&str, &str, f64); 17] = [
+const KNOWN: [(&str, &str, f64); 13] = [
     ("scattered without aiding", "p99", 4.41),
     ("scattered without aiding", "pitch rms", 1.66),
     ("scattered without aiding", "roll rms", 1.77),
-    ("without down, with rates and GPS", "pitch rms", 5.38),
-    ("without down, with rates and GPS", "roll rms", 4.69),
-    ("without up, with rates and GPS", "pitch rms", 5.13),
-    ("without up, with rates and GPS", "roll rms", 4.96),
     ("clear-dry with rates and GPS", "2 sigma", 98.00),
     ("clear-humid with rates and GPS", "2 sigma", 98.00),
     ("durham with rates and GPS", "2 sigma", 98.00),
     ("into-cloud with rates and GPS", "2 sigma", 98.00),
     ("lag-0.3 with rates and GPS", "2 sigma", 98.00),
     ("namibia with rates and GPS", "2 sigma", 98.00),
-    ("scattered with rates and GPS", "2 sigma", 83.90),
+    ("scattered with rates and GPS", "2 sigma", 85.50),
     ("scattered without aiding", "2 sigma", 98.00),
-    ("warm-sky with rates and GPS", "2 sigma", 75.70),
-    ("warm-sky without aiding", "2 sigma", 88.10),
+    ("warm-sky with rates and GPS", "2 sigma", 91.00),
+    ("warm-sky without aiding", "2 sigma", 98.00),
 ];
 
 /// Whether a miss is one of the known ones, and no worse.

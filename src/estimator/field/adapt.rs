@@ -16,6 +16,10 @@ const LEFT_S: f64 = 1.0;
 const GLITCH_K: f64 = 1.0;
 /// The largest scene, K.
 const LARGEST_K: f64 = 1.5;
+/// How long a scene that was unlike is thought to be so still, s.
+const LATELY_S: f64 = 120.0;
+/// In fewer dimensions a scene of its own is not seen: all may be the sky's depth.
+const LEAST_DIMENSIONS: f64 = 0.25;
 /// A misfit no larger than the first is noise; one of the second is a scene, K.
 const UNLIKE_K: (f64, f64) = (0.015, 0.04);
 
@@ -73,13 +77,17 @@ pub struct Directions {
     pub contrast: Pattern,
     /// The ground, less what all these explain; zero for pairs.
     ground: Pattern,
+    /// The sky's depth, less what all these explain; zero where that is nothing.
+    depth: Pattern,
+    /// What the depth, as uncertain as it is, may leave unexplained, of all of it: 0..1.
+    unsure: f64,
     /// How many sensors gave a reading.
     count: usize,
 }
 
 impl Directions {
-    /// Of the sensors that gave a reading.
-    pub fn new(seen: &[Option<Seen>; MAX_SENSORS]) -> Self {
+    /// Of the sensors that gave a reading, under a sky whose depth's logarithm has this variance.
+    pub fn new(seen: &[Option<Seen>; MAX_SENSORS], depth_variance: f64) -> Self {
         let pattern = |f: fn(&Seen) -> f64| -> Pattern { std::array::from_fn(|i| seen[i].as_ref().map_or(0.0, f)) };
         let roll = pattern(|s| s.by_turn[0]);
         let slope = dot(&roll, &roll).sqrt();
@@ -89,7 +97,11 @@ impl Directions {
         let pitch = unit(pitch);
         let contrast = unit(without(pattern(|s| s.by_contrast), &[roll, pitch]));
         let ground = unit(without(pattern(|s| s.by_ground), &[roll, pitch, contrast]));
-        Self { turn: [roll, pitch], slope, contrast, ground, count: seen.iter().flatten().count() }
+        let depth = without(pattern(|s| s.by_depth), &[roll, pitch, contrast, ground]);
+        let unsure = dot(&depth, &depth) * depth_variance;
+        let unsure = unsure / (unsure + UNLIKE_K.0 * UNLIKE_K.0);
+        let count = seen.iter().flatten().count();
+        Self { turn: [roll, pitch], slope, contrast, ground, depth: unit(depth), unsure, count }
     }
 
     /// The turn that a pattern looks like, rad; none where the sensors see no turn.
@@ -97,11 +109,18 @@ impl Directions {
         std::array::from_fn(|k| if self.slope[k] > 1.0 { dot(pattern, &self.turn[k]) / self.slope[k] } else { 0.0 })
     }
 
-    /// What of a pattern none of them explains, and in how many dimensions that is seen.
-    fn rest(&self, pattern: Pattern) -> (Pattern, usize) {
+    /// What of a pattern none of them explains, and in how many dimensions that is seen: the only one left by
+    /// five sensors is the sky's depth's, until that is known.
+    fn rest(&self, pattern: Pattern) -> (Pattern, f64) {
         let known = [self.turn[0], self.turn[1], self.contrast, self.ground];
-        let dimensions = known.iter().filter(|k| dot(k, k) > 0.5).count();
-        (without(pattern, &known), self.count.saturating_sub(dimensions))
+        let dimensions = self.count.saturating_sub(known.iter().filter(|k| dot(k, k) > 0.5).count());
+        let mut rest = without(pattern, &known);
+        if dimensions > 1 {
+            return (rest, dimensions as f64);
+        }
+        let share = self.unsure * dot(&rest, &self.depth);
+        rest.iter_mut().zip(&self.depth).for_each(|(r, d)| *r -= share * d);
+        (rest, dimensions as f64 - self.unsure)
     }
 }
 
@@ -113,12 +132,14 @@ pub struct SceneStrength {
     left: Pattern,
     seen: f64,
     first: f64,
+    /// How surely it has lately been seen to be unlike.
+    lately: f64,
 }
 
 impl SceneStrength {
     /// Never less than `least_k`; learnt with time constants of `learning_s` up and down.
     pub fn new(least_k: f64, learning_s: (f64, f64)) -> Self {
-        Self { least: least_k * least_k, learning_s, left: Pattern::default(), seen: 1e-4, first: 0.0 }
+        Self { least: least_k * least_k, learning_s, left: Pattern::default(), seen: 1e-4, first: 0.0, lately: 0.0 }
     }
 
     /// Begins with scenes of `first_k`.
@@ -126,20 +147,29 @@ impl SceneStrength {
         self.first = first_k * first_k;
     }
 
-    /// Takes in each sensor's innovation and what its scene is taken to add, K.
-    pub fn update(&mut self, innovations: &Pattern, scenes: &Pattern, directions: &Directions, dt_s: f64) {
+    /// Takes in each sensor's innovation and what its scene is taken to add, K; `variance_of` a pattern of scenes,
+    /// K², is how well they are known.
+    pub fn update(
+        &mut self,
+        (innovations, scenes): (&Pattern, &Pattern),
+        directions: &Directions,
+        variance_of: impl Fn(&Pattern) -> f64,
+        dt_s: f64,
+    ) {
         let share = -(-dt_s / LEFT_S).exp_m1();
         for (left, innovation) in self.left.iter_mut().zip(innovations) {
             *left += share * (innovation.clamp(-GLITCH_K, GLITCH_K) - *left);
         }
         let (rest, dimensions) = directions.rest(std::array::from_fn(|i| self.left[i] + scenes[i]));
-        if dimensions > 0 {
-            let seen = dot(&rest, &rest) / dimensions as f64;
+        if dimensions > LEAST_DIMENSIONS {
+            // What chance alone would show is no scene.
+            let seen = (dot(&rest, &rest) - variance_of(&unit(rest))).max(0.0) / dimensions;
             let time_s = if seen > self.seen { self.learning_s.0 } else { self.learning_s.1 };
             self.seen += -(-dt_s / time_s).exp_m1() * (seen - self.seen);
             self.seen = self.seen.min(LARGEST_K * LARGEST_K);
         }
         self.first *= (-dt_s / FIRST_S).exp();
+        self.lately = self.unlike().max(self.lately * (-dt_s / LATELY_S).exp());
     }
 
     /// The variance of a scene, K².
@@ -151,6 +181,16 @@ impl SceneStrength {
     pub fn unlike(&self) -> f64 {
         let x = ((self.seen.sqrt() - UNLIKE_K.0) / (UNLIKE_K.1 - UNLIKE_K.0)).clamp(0.0, 1.0);
         x * x * (3.0 - 2.0 * x)
+    }
+
+    /// The same, remembered: what made the scene unlike is still there while nothing shows it.
+    pub fn lately_unlike(&self) -> f64 {
+        self.lately
+    }
+
+    /// The size of what is seen of scenes, K.
+    pub fn seen_k(&self) -> f64 {
+        self.seen.sqrt()
     }
 
     /// What sensor `i` has lately shown beyond its prediction, K.

@@ -3,7 +3,7 @@
 use super::FieldEstimator;
 use super::adapt::{Directions, Pattern, dot};
 use super::predict::scene;
-use super::state::{MAX_SENSORS, SEEN};
+use super::state::{DEPTH, MAX_SENSORS, SEEN};
 
 /// A reading farther from its prediction than this many standard deviations weighs less.
 const GATE: f64 = 6.0;
@@ -94,7 +94,7 @@ impl FieldEstimator {
             scenes[i] = s.sky * self.state.x[self.state.scene(i)];
             seen[i] = Some(s);
         }
-        let directions = Directions::new(&seen);
+        let directions = Directions::new(&seen, self.state.p[DEPTH][DEPTH]);
         let alone = readings.iter().zip(&self.state.plain).map(|(r, p)| r.map_or(0.0, |r| r - p));
         let mut pattern = Pattern::default();
         pattern.iter_mut().zip(alone).for_each(|(p, a)| *p = a);
@@ -108,7 +108,12 @@ impl FieldEstimator {
             }
         }
         self.contrast.update(dot(&innovations, &directions.contrast), dt_s);
-        self.scene.update(&innovations, &scenes, &directions, dt_s);
+        let state = &self.state;
+        let variance_of = |p: &Pattern| {
+            let scenes = || seen.iter().enumerate().filter_map(|(i, s)| Some((state.scene(i), s.as_ref()?.sky * p[i])));
+            scenes().map(|(i, a)| a * scenes().map(|(j, b)| b * state.p[i][j]).sum::<f64>()).sum()
+        };
+        self.scene.update((&innovations, &scenes), &directions, variance_of, dt_s);
     }
 
     /// What sensor `i` shows beyond what the sky and the attitude explain, K.

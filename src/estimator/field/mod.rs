@@ -7,12 +7,14 @@
 //! - `state`: the states and their covariance; `tuning`: what the world is taken to be like;
 //! - `model`: what a sensor should show; `start`: where the filter begins;
 //! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves;
+//! - `doubt`: a scene that is found not to be alike all around;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
 //! - `output`: angles, standard deviations, the underestimation guard.
 
 mod adapt;
 mod aid;
 mod correct;
+mod doubt;
 mod gyro;
 mod model;
 mod output;
@@ -69,6 +71,8 @@ pub struct FieldEstimator {
     misfit: Misfit,
     /// The scene has been found to be unlike a sky that is alike all around.
     unlike: bool,
+    /// A warm side has been found to be larger than expected.
+    sided: bool,
 }
 
 impl FieldEstimator {
@@ -90,6 +94,7 @@ impl FieldEstimator {
             scene: SceneStrength::new(tuning.scene.1, tuning.scene_learning_s),
             misfit: Misfit::default(),
             unlike: false,
+            sided: false,
         }
     }
 
@@ -184,45 +189,34 @@ impl FieldEstimator {
             s.x[i] = 0.0;
             s.set_variance(i, if gyro { t.side.0.powi(2) } else { 0.0 });
         }
+        self.sided = false;
         s.x[LAG] = 0.0;
         s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });
     }
 
-    /// What was learnt while the scene was thought to be alike all around is in doubt once it is not.
-    fn doubt(&mut self) {
-        let unlike = self.scene.unlike();
-        if unlike < 0.1 {
-            self.unlike = false;
-        } else if unlike > 0.5 && !self.unlike {
-            self.unlike = true;
-            let s = &mut self.state;
-            let gyro = if self.gyro.in_use() { 1.0 } else { 0.0 };
-            for i in 0..3 {
-                s.add_variance(TURN + i, 1_f64.to_radians().powi(2));
-                s.add_variance(RATE + i, gyro * 0.1_f64.to_radians().powi(2));
-            }
-            s.add_variance(DEPTH, 0.1);
-            s.add_variance(RADIANCE, 0.1);
-            (SIDE..SIDE + 4).for_each(|i| s.add_variance(i, gyro));
-            for i in 0..self.model.sensors() {
-                s.add_variance(s.scene(i), self.scene.variance());
-            }
-        }
-    }
-
     fn solution(&self) -> Solution {
-        let (mut attitude, mut sigma) = attitude(&self.state);
+        let (mut attitude, own) = attitude(&self.state);
         let contrast_k = self.state.x[CONTRAST];
         // A warm side looks like an attitude, most of all without a gyro; that there is one shows elsewhere.
-        let t = self.tuning.unlike_side_k;
-        let side_k = self.scene.unlike() * if self.gyro.in_use() { t.1 } else { t.0 };
-        let doubt = side_k / (PAIR_SLOPE * contrast_k.abs().max(1.0));
-        sigma.roll = sigma.roll.hypot(doubt / attitude.pitch.cos().max(0.2));
-        sigma.pitch = sigma.pitch.hypot(doubt);
+        let t = &self.tuning;
+        let (least_k, most_k) = if self.gyro.in_use() {
+            let side_k = self.scene.unlike() * t.unlike_side_k.1;
+            (side_k, side_k)
+        } else {
+            let lately = self.scene.lately_unlike();
+            let side_k = lately * t.unlike_side_k.0;
+            (side_k, side_k.max(lately * t.hidden * self.scene.seen_k()))
+        };
         let poor = self.misfit.excess();
-        (sigma.roll, sigma.pitch) = (poor * sigma.roll, poor * sigma.pitch);
-        attitude.roll = guard(attitude.roll, sigma.roll, std::f64::consts::PI);
-        attitude.pitch = guard(attitude.pitch, sigma.pitch, std::f64::consts::FRAC_PI_2);
+        let doubted = |side_k: f64| {
+            let doubt = side_k / (PAIR_SLOPE * contrast_k.abs().max(1.0));
+            let roll = own.roll.hypot(doubt / attitude.pitch.cos().max(0.2));
+            Attitude { roll: poor * roll, pitch: poor * own.pitch.hypot(doubt) }
+        };
+        // Angles are shown larger by the least doubt: more of it may as well be on the other side.
+        let (guarded, sigma) = (doubted(least_k), doubted(most_k));
+        attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);
+        attitude.pitch = guard(attitude.pitch, guarded.pitch, std::f64::consts::FRAC_PI_2);
         Solution { attitude: Some(attitude), sigma, contrast_k: Some(contrast_k), seen_k: Some([0.0, 0.0, contrast_k]) }
     }
 }

@@ -1,7 +1,7 @@
 //! What each sensor of the head should show, with the slopes.
 
 use super::state::MAX_SENSORS;
-use crate::estimator::vector::{Vector, cross, dot};
+use crate::estimator::vector::{Vector, add_scaled, cross, dot};
 use crate::frame::{Frame, Value};
 use crate::head::{Head, SensorKind};
 use crate::sky::family::{Level, RADIANCE_K};
@@ -100,14 +100,23 @@ impl Model {
         let share = scene.contrast_k / RADIANCE_K;
         let high = self.family.level(sine, scene.ln_depth, scene.radiance * share);
         let sides = |level: &Level| -> [f64; 4] { std::array::from_fn(|i| level.side[i / 2] * side[i % 2]) };
+        // What is warm around turns with the level axes: K for the direction's components on north and west.
+        let around = |level: &Level| -> [f64; 2] {
+            std::array::from_fn(|k| level.side[0] * scene.side_k[k] + level.side[1] * scene.side_k[k + 2])
+        };
+        let turned = |slope: f64, [north, west]: [f64; 2]| {
+            let to = add_scaled(axes[2].map(|c| slope * c), north, axes[0]);
+            cross(direction, add_scaled(to, west, axes[1]))
+        };
         let warmth = |by: &[f64; 4]| by.iter().zip(scene.side_k).map(|(b, k)| b * k).sum::<f64>();
         match kind {
             SensorKind::Absolute => {
                 let slope = -scene.contrast_k * high.by_sine;
                 let by_side = sides(&high);
+                let round = around(&high);
                 Seen {
                     value: scene.ground_c - scene.contrast_k * high.value + warmth(&by_side),
-                    by_turn: cross(direction, axes[2]).map(|c| slope * c),
+                    by_turn: turned(slope, round),
                     by_ground: 1.0,
                     by_contrast: -high.value,
                     by_depth: -scene.contrast_k * high.by_ln_depth,
@@ -120,10 +129,12 @@ impl Model {
                 let low = self.family.level(-sine, scene.ln_depth, scene.radiance * share);
                 let slope = scene.contrast_k * (high.by_sine + low.by_sine);
                 let (up, down) = (sides(&high), sides(&low));
+                let [one, other] = [around(&high), around(&low)];
+                let round = [-one[0] - other[0], -one[1] - other[1]];
                 let by_side = std::array::from_fn(|i| -up[i] - down[i]);
                 Seen {
                     value: scene.contrast_k * (high.value - low.value) + warmth(&by_side),
-                    by_turn: cross(direction, axes[2]).map(|c| slope * c),
+                    by_turn: turned(slope, round),
                     by_ground: 0.0,
                     by_contrast: high.value - low.value,
                     by_depth: scene.contrast_k * (high.by_ln_depth - low.by_ln_depth),

@@ -89,6 +89,7 @@ fn move_rows(state: &mut State, back: &[Vector; 3], dt_s: f64, rate_keep: f64, s
 /// The process noise of everything but what the sensors show; `lost` is the share of the variance that
 /// rates and scenes have lost in this step.
 fn add_noise(state: &mut State, sensors: usize, t: &Tuning, dt_s: f64, gyro: bool, pace: &Pace, lost: (f64, f64)) {
+    let found_k = state.x[SIDE..SIDE + 4].iter().map(|k| k * k).sum::<f64>().sqrt();
     let mut add = |i: usize, variance: f64| state.p[i][i] += variance;
     for i in 0..3 {
         if gyro {
@@ -106,7 +107,7 @@ fn add_noise(state: &mut State, sensors: usize, t: &Tuning, dt_s: f64, gyro: boo
         add(OFFSET + i, t.offset.1.powi(2) * dt_s);
     }
     if gyro {
-        let side = t.side.1 + pace.unlike * t.unlike_side_walk;
+        let side = t.side.1 + pace.unlike * t.unlike_side_walk + t.side_share * found_k;
         (SIDE..SIDE + 4).for_each(|i| add(i, side * side * dt_s));
     }
     (SEEN + sensors..SEEN + 2 * sensors).for_each(|i| add(i, pace.scene_k2 * lost.1));

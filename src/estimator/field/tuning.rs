@@ -32,11 +32,19 @@ pub struct Tuning {
     pub radiance: (f64, f64),
     /// A side of the sky, or of the ground, that is warmer: at first and its walk.
     pub side: (f64, f64),
+    /// What its walk is more, as a share of what has been found.
+    pub side_share: f64,
     /// Its walk while the scene is seen to be unlike a sky alike all around.
     pub unlike_side_walk: f64,
+    /// With a gyro, how large a warm side is thought to be once there is one.
+    pub unlike_side: f64,
+    /// What else the attitude may be wrong by once the scene is found to be unlike.
+    pub unlike_turn: f64,
     /// How large a warm side may then be that nothing shows, without a gyro; with one, beyond what the
     /// states know of it.
     pub unlike_side_k: (f64, f64),
+    /// Without a gyro a strong scene hides as much in what looks like an attitude: so many times itself.
+    pub hidden: f64,
     /// A sensor's own scene at first (for a contrast of 35 K), and its least size.
     pub scene: (f64, f64),
     /// How long a scene lasts at rest; the angle that turns it into another, with a gyro and without.
@@ -66,15 +74,19 @@ impl Default for Tuning {
             rate_time_s: 0.6,
             rate_learning: 0.5,
             cruise_m_s: 15.0,
-            gyro_walk: deg(0.03),
+            gyro_walk: deg(0.027),
             bias: (deg(1.0), deg(0.003)),
             ground_walk: 0.1,
             contrast: (0.02, 5.0),
-            depth: (-1.2, 0.8, 0.007),
+            depth: (-1.2, 0.8, 0.005),
             radiance: (0.5, 0.5),
             side: (0.05, 0.0015),
+            side_share: 0.006,
             unlike_side_walk: 0.1,
-            unlike_side_k: (1.35, 0.2),
+            unlike_side: 1.2,
+            unlike_turn: deg(0.3),
+            unlike_side_k: (1.35, 0.25),
+            hidden: 3.5,
             scene: (0.15, 0.012),
             scene_time_s: 60.0,
             scene_angle: (0.8, 3.0),

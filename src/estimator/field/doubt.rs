@@ -1,0 +1,68 @@
+//! When the scene is found not to be alike all around.
+
+use super::FieldEstimator;
+use super::PAIR_SLOPE;
+use super::state::{CONTRAST, DEPTH, OFFSET, RADIANCE, RATE, SIDE, State, TURN};
+use crate::estimator::vector::cross;
+
+/// What no sky alike all around explains, from nothing to certain: below the first there is none (again),
+/// beyond the second there is.
+const UNLIKE: (f64, f64) = (0.1, 0.5);
+/// A warm side found so many times larger than it was expected was expected wrongly.
+const UNEXPECTED: f64 = 3.0;
+
+impl FieldEstimator {
+    /// What was learnt while the scene was thought to be alike all around is in doubt once it is not.
+    pub(super) fn doubt(&mut self) {
+        let (unlike, t, gyro) = (self.scene.unlike(), &self.tuning, self.gyro.in_use());
+        let side_k2: f64 = self.state.x[SIDE..SIDE + 4].iter().map(|k| k * k).sum();
+        let found = gyro && !self.sided && side_k2 > (UNEXPECTED * t.side.0).powi(2);
+        if unlike < UNLIKE.0 {
+            self.unlike = false;
+        }
+        if found || unlike > UNLIKE.1 && !self.unlike {
+            self.unlike |= unlike > UNLIKE.1;
+            let first = gyro && !self.sided;
+            self.sided |= gyro;
+            let s = &mut self.state;
+            let share = if gyro { 1.0 } else { 0.0 };
+            for i in 0..3 {
+                s.add_variance(TURN + i, t.unlike_turn.powi(2));
+                s.add_variance(RATE + i, share * 0.1_f64.to_radians().powi(2));
+            }
+            s.add_variance(DEPTH, 0.1);
+            s.add_variance(RADIANCE, 0.1);
+            if first {
+                hide(s, t.unlike_side);
+            }
+            for i in 0..self.model.sensors() {
+                s.add_variance(s.scene(i), self.scene.variance());
+            }
+        }
+    }
+}
+
+/// Sides that are warmer by `side_k` may have been taken for an attitude, and that for an offset of the slow
+/// references: doubt along the line on which nothing shows.
+fn hide(s: &mut State, side_k: f64) {
+    let up = s.vertical();
+    let tilt = side_k / (PAIR_SLOPE * s.x[CONTRAST].abs().max(1.0));
+    for i in 0..4 {
+        let level = s.axes[i % 2];
+        let turn = cross(level, up).map(|c| tilt * c);
+        let upright = if up[2].abs() < 0.3 { 0.3_f64.copysign(up[2]) } else { up[2] };
+        let line = [
+            (SIDE + i, side_k),
+            (TURN, turn[0]),
+            (TURN + 1, turn[1]),
+            (TURN + 2, turn[2]),
+            (OFFSET, -tilt * level[1] / upright),
+            (OFFSET + 1, -tilt * level[0]),
+        ];
+        for (a, x) in line {
+            for (b, y) in line {
+                s.p[a][b] += x * y;
+            }
+        }
+    }
+}
