@@ -3,6 +3,7 @@
 use crate::direction::Direction;
 use crate::fault::FaultName;
 use crate::frame::{Frame, Missing, Value};
+use crate::time::Time;
 
 /// What kind of reading a sensor gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +19,18 @@ pub enum SensorKind {
     },
 }
 
+impl SensorKind {
+    /// What `value` means, K or °C; `None` where it is of the other kind, or no number that can be.
+    pub fn kelvin(self, value: Value) -> Option<f64> {
+        let kelvin = match (value, self) {
+            (Value::Absolute { object_c, .. }, Self::Absolute) => object_c,
+            (Value::Volts(v), Self::Pair { neutral_v, kelvin_per_v }) => (v - neutral_v) * kelvin_per_v,
+            _ => return None,
+        };
+        (kelvin.abs() < 1000.0).then_some(kelvin)
+    }
+}
+
 /// A sensor as the estimators know it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensor {
@@ -29,6 +42,13 @@ pub struct Sensor {
     pub kind: SensorKind,
     /// The bus it is read from, as an index into [`Head::buses`]; `None` in replay and simulation.
     pub bus: Option<usize>,
+}
+
+impl Sensor {
+    /// Whether it gives a temperature rather than a difference.
+    pub fn is_absolute(&self) -> bool {
+        self.kind == SensorKind::Absolute
+    }
 }
 
 /// Where a pair's signal comes from.
@@ -70,6 +90,12 @@ pub struct Head {
 }
 
 impl Head {
+    /// The reading of sensor `i` in `frame`, K or °C, and its stamp.
+    pub fn reading_k(&self, i: usize, frame: &Frame) -> Option<(f64, Time)> {
+        let sample = frame.readings.get(i)?.ok()?;
+        Some((self.sensors.get(i)?.kind.kelvin(sample.value)?, sample.time))
+    }
+
     /// Finds the pairs among `sensors`: every ADC channel is one, and so are every two absolute
     /// sensors that look apart. A pair's positive direction is the one nearer to nose, left or up.
     pub fn new(sensors: Vec<Sensor>, buses: Vec<String>) -> Self {
@@ -113,21 +139,13 @@ impl Head {
     /// The signal of pair `index` in `frame`, K, positive when its direction looks higher; or why
     /// there is none.
     pub fn signal_k(&self, index: usize, frame: &Frame) -> Result<f64, Missing> {
-        let object = |i: usize| match frame.readings.get(i).copied().unwrap_or(Err(Missing::Empty))?.value {
-            Value::Absolute { object_c, .. } if object_c.is_finite() => Ok(object_c),
-            _ => Err(Missing::Impossible),
+        let kelvin = |i: usize| {
+            let sample = frame.readings.get(i).copied().unwrap_or(Err(Missing::Empty))?;
+            self.sensors[i].kind.kelvin(sample.value).ok_or(Missing::Impossible)
         };
         match self.pairs[index].source {
-            PairSource::Opposed { high, low } => Ok(object(low)? - object(high)?),
-            PairSource::Channel(i) => {
-                let sample = frame.readings.get(i).copied().unwrap_or(Err(Missing::Empty))?;
-                match (sample.value, self.sensors[i].kind) {
-                    (Value::Volts(v), SensorKind::Pair { neutral_v, kelvin_per_v }) if v.is_finite() => {
-                        Ok((v - neutral_v) * kelvin_per_v)
-                    }
-                    _ => Err(Missing::Impossible),
-                }
-            }
+            PairSource::Opposed { high, low } => Ok(kelvin(low)? - kelvin(high)?),
+            PairSource::Channel(i) => kelvin(i),
         }
     }
 
@@ -161,7 +179,6 @@ impl FaultName for Head {
 mod tests {
     use super::*;
     use crate::frame::Sample;
-    use crate::time::Time;
 
     fn frame(objects_c: [f64; 6]) -> Frame {
         let mut f = Frame::new(6);

@@ -1,9 +1,10 @@
 //! The commands against a fake daemon, word for word. `UPDATE_GOLDEN=1` writes the expected texts.
 
 use irhorizon::config::settings::BusAddress;
+use irhorizon::ctl::advice;
 use irhorizon::ctl::kit::{Daemon, DaemonError, Kit};
 use irhorizon::ctl::run;
-use irhorizon::ctl::view::{Endpoint, Fault, Sensor, Status, Trim};
+use irhorizon::ctl::view::{Endpoint, Fault, Hint, Sensor, Status, Trim};
 use irhorizon::ctl::watch::{Palette, Seen, draw};
 use irhorizon::recording::Taps;
 use ratatui::buffer::Buffer;
@@ -34,8 +35,19 @@ impl Daemon for Fake {
     }
 }
 
-const SCENES: [&str; 9] =
-    ["trimmed", "nominal", "degraded", "faulted", "starting", "right-bank", "nose-up", "inverted", "pairs"];
+const SCENES: [&str; 11] = [
+    "wet",
+    "level",
+    "trimmed",
+    "nominal",
+    "degraded",
+    "faulted",
+    "starting",
+    "right-bank",
+    "nose-up",
+    "inverted",
+    "pairs",
+];
 
 const KIT: Kit = Kit {
     connect: |bus| match bus {
@@ -80,6 +92,7 @@ fn scene(name: &str) -> Status {
         pitch_sigma_deg: Some(0.9),
         trim: Trim::default(),
         contrast_c: Some(36.78),
+        hint: None,
         sample_time_usec: 3_600_000_000,
         sample_age_s: 0.0123,
         rate_hz: 50.02,
@@ -87,7 +100,12 @@ fn scene(name: &str) -> Status {
         sensors: sensors.collect(),
         endpoints: vec![Endpoint { address: "udpout:127.0.0.1:14550".into(), sent: 184_321, ..Endpoint::default() }],
     };
-    let fault = |name: &str, for_s, evidence: &str| Fault { name: name.into(), for_s, evidence: evidence.into() };
+    let fault = |name: &str, for_s, evidence: &str| Fault {
+        name: name.into(),
+        for_s,
+        evidence: evidence.into(),
+        advice: advice::of(name),
+    };
     let withhold = |s: &mut Status, mode: &str| {
         s.mode = mode.into();
         (s.roll_deg, s.pitch_deg, s.roll_sigma_deg, s.pitch_sigma_deg) = (None, None, None, None);
@@ -119,6 +137,20 @@ fn scene(name: &str) -> Status {
                 (sensor.object_c, sensor.ambient_c, sensor.state) = (None, None, "not read yet".into());
                 sensor.counters.clear();
             }
+        }
+        "wet" => {
+            s.mode = "degraded".into();
+            s.faults = vec![fault("wet-sensor:left", 3.4, "71.00 %, limit 50.00 %")];
+            s.hint = Some(Hint { bearing_deg: 112.4, strength_c: 6.25 });
+            for (i, sensor) in s.sensors.iter_mut().enumerate() {
+                sensor.residual_c = Some([0.124, -0.003, 9.5, -0.8, 0.0, 0.31][i]);
+            }
+        }
+        "level" => {
+            s.mode = "faulted".into();
+            (s.roll_deg, s.pitch_deg) = (Some(3.2), Some(-0.4));
+            (s.roll_sigma_deg, s.pitch_sigma_deg) = (Some(31.0), Some(31.0));
+            s.faults = vec![fault("obstructed", 5.0, "25.00 °, limit 20.00 °")];
         }
         "trimmed" => {
             s.trim = Trim { roll_deg: -1.254, pitch_deg: 8.0, roll_learnt_deg: -0.004, pitch_learnt_deg: 5.5 };
@@ -161,7 +193,7 @@ fn golden(name: &str, text: &str) {
 
 #[test]
 fn status_in_every_format_and_mode() {
-    for (mode, exit) in [("nominal", 0), ("degraded", 1), ("faulted", 2), ("starting", 2)] {
+    for (mode, exit) in [("nominal", 0), ("degraded", 1), ("faulted", 2), ("starting", 2), ("wet", 1)] {
         for (format, end) in [("plain", "txt"), ("json", "json"), ("prometheus", "prom")] {
             let (code, out, err) = ctl(&format!("--bus fake:{mode} status --format {format}"));
             assert_eq!((code, err.as_str()), (exit, ""), "{mode} {format}");
@@ -172,6 +204,7 @@ fn status_in_every_format_and_mode() {
 
 #[test]
 fn a_learnt_trim_is_shown_and_saved_over_nothing() {
+    golden("status-level.txt", &ctl("--bus fake:level status").1);
     golden("status-trimmed.txt", &ctl("--bus fake:trimmed status").1);
     let (_, json, _) = ctl("--bus fake:trimmed status --format json");
     let value: serde_json::Value = serde_json::from_str(&json).unwrap();
@@ -228,7 +261,7 @@ fn wrong_usage_is_exit_64_and_help_is_not() {
 
 #[test]
 fn sensors_as_a_table_and_as_json() {
-    for scene in ["nominal", "degraded", "pairs"] {
+    for scene in ["nominal", "degraded", "pairs", "wet"] {
         golden(&format!("sensors-{scene}.txt"), &ctl(&format!("--bus fake:{scene} sensors")).1);
     }
     let out = ctl("--bus fake:pairs sensors --format json").1;
@@ -266,7 +299,7 @@ fn record_writes_a_whole_file_and_overwrites_none() {
 
 #[test]
 fn watch_draws_what_a_pilot_knows() {
-    for scene in ["nominal", "right-bank", "nose-up", "inverted", "faulted", "starting", "degraded"] {
+    for scene in ["nominal", "right-bank", "nose-up", "inverted", "faulted", "starting", "degraded", "wet", "level"] {
         let (code, out, _) = ctl(&format!("--bus fake:{scene} watch --once --size 80x24"));
         assert_eq!(code, 0);
         golden(&format!("watch-{scene}.txt"), &out);
@@ -286,11 +319,13 @@ fn no_size_and_no_state_makes_the_picture_panic() {
     for name in SCENES {
         let mut s = scene(name);
         states.push(Seen::Status(Box::new(s.clone())));
-        let long = Fault { name: "f".repeat(300), for_s: f64::INFINITY, evidence: "é ".repeat(300) };
+        let long = Fault { name: "f".repeat(300), for_s: f64::INFINITY, evidence: "é ".repeat(300), advice: "" };
         s.faults = vec![long; 40];
         s.sensors = vec![s.sensors[0].clone(); 40];
         (s.roll_deg, s.pitch_deg, s.mode) = (Some(1e300), Some(-1e300), "日本".repeat(50));
         (s.contrast_c, s.sample_age_s) = (Some(f64::NAN), -1.0);
+        s.hint =
+            Some(Hint { bearing_deg: if s.version.is_empty() { f64::NAN } else { -90.0 }, strength_c: f64::INFINITY });
         states.push(Seen::Status(Box::new(s)));
     }
     for state in &states {

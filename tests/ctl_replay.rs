@@ -28,10 +28,9 @@ fn settings() -> Settings {
             low_contrast_c: 3.0,
             lost_after_s: 0.5,
             back_after_s: 0.5,
-            stale_after_s: 0.5,
-            lamp: None,
+            ..Settings::default().faults
         },
-        mavlink: MavlinkSettings { system_id: 1, component_id: 191, endpoints: Vec::new() },
+        mavlink: MavlinkSettings { system_id: 1, component_id: 191, sys_status: false, endpoints: Vec::new() },
         dbus: DbusSettings { bus: Some(BusAddress::System), update_hz: 10.0 },
         simulation: None,
     }
@@ -53,6 +52,7 @@ fn stand_in(_: &Settings, head: &Head) -> Pipeline {
         let [x, y, z] = [0, 1, 2].map(|pair| head.pairs.get(pair).and_then(|_| head.signal_k(pair, frame).ok()));
         let (Some(x), Some(y), Some(z)) = (x, y, z) else { return };
         estimate.time = frame.sample_time().unwrap();
+        estimate.valid_at = estimate.time;
         estimate.contrast_k = Some(z);
         estimate.faults.clear();
         if z < 3.0 {

@@ -3,9 +3,10 @@
 mod dbus_bus;
 
 use dbus_bus::{Bus, Daemon};
-use irhorizon::attitude::{Attitude, Mode};
+use irhorizon::attitude::{Attitude, Hint, Mode};
 use irhorizon::bus::Counters;
 use irhorizon::ctl::client::{Client, ClientError};
+use irhorizon::ctl::view;
 use irhorizon::dbus::DbusError;
 use irhorizon::fault::{ActiveFault, Evidence, FaultKind};
 use irhorizon::frame::{Missing, Sample, Value};
@@ -22,6 +23,8 @@ fn level(s: &mut Snapshot) {
     s.estimate.sigma = Attitude::from_degrees(0.5, 0.25);
     s.estimate.trim = Attitude { roll: 0.0, pitch: 6_f64.to_radians() };
     s.estimate.contrast_k = Some(31.5);
+    s.estimate.hint = Some(Hint { bearing: -0.25 * std::f64::consts::PI, strength_k: 3.5 });
+    s.estimate.residuals_k = vec![Some(0.5), None, Some(-2.0)];
     s.estimate.mode = Mode::Nominal;
     s.estimate.time = Time::from_nanos(5_000_000_999);
     s.estimate.faults.clear();
@@ -41,6 +44,7 @@ fn busctl_reads_what_was_estimated() {
     let daemon = Daemon::start(&bus);
     assert_eq!(daemon.first, Some(Ok(())));
     assert_eq!((bus.property("RollDeg"), bus.property("Mode")), ("d nan".into(), "s \"starting\"".into()));
+    assert_eq!((bus.property("HintBearingDeg"), bus.property("HintStrengthC")), ("d nan".into(), "d nan".into()));
     daemon.frame(|s| {
         level(s);
         lose_down(s);
@@ -54,6 +58,8 @@ fn busctl_reads_what_was_estimated() {
         ("PitchTrimDeg", "d 4"),
         ("PitchTrimLearntDeg", "d 6"),
         ("ContrastC", "d 31.5"),
+        ("HintBearingDeg", "d -45"),
+        ("HintStrengthC", "d 3.5"),
         ("Mode", "s \"degraded\""),
         ("Faults", "as 1 \"sensor-lost:down\""),
         ("FaultDetails", "a(sts) 1 \"sensor-lost:down\" 4000000 \"no answer, 7 reads in a row\""),
@@ -143,6 +149,9 @@ fn a_client_sees_the_whole_state_with_the_sensors_in_order() {
     let names: Vec<_> = status.sensors.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(names, ["nose", "long", "down"]);
     let [nose, long, down] = &status.sensors[..] else { panic!("three sensors") };
+    assert_eq!((nose.residual_c, long.residual_c, down.residual_c), (Some(0.5), None, Some(-2.0)));
+    assert_eq!(status.hint, Some(view::Hint { bearing_deg: -45.0, strength_c: 3.5 }));
+    assert_eq!(status.faults[0].advice, "irhorizonctl sensors says what to look at");
     assert_eq!((nose.kind.as_str(), nose.bus.as_str(), nose.address), ("mlx90614", "/dev/i2c-1", 0x5b));
     assert_eq!((nose.object_c, nose.ambient_c, nose.volts), (Some(-7.25), Some(21.0), None));
     assert_eq!((nose.integrity.as_str(), nose.settling_s, nose.emissivity), ("software-pec", 0.31, Some(1.0)));

@@ -318,7 +318,7 @@ fn links_lead_somewhere() {
             let (file, anchor) = target.split_once('#').unwrap_or((target, ""));
             let path = if file.is_empty() { root().join(&name) } else { folder.join(file) };
             assert!(path.exists(), "{name}: {target}");
-            let slug = |l: &str| l.to_lowercase().replace(['`', '[', ']', '.'], "").replace(' ', "-");
+            let slug = |l: &str| l.to_lowercase().replace(['`', '[', ']', '.', ','], "").replace(' ', "-");
             let found = anchor.is_empty()
                 || fs::read_to_string(&path)
                     .unwrap()

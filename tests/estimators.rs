@@ -169,9 +169,13 @@ fn spoilt(hostile: &Hostile, index: usize, now_ns: u64) -> Frame {
 
 /// Everything in `solution` is finite and in range.
 fn sound(name: &str, solution: &Solution) -> Result<(), TestCaseError> {
-    let Solution { attitude, sigma, contrast_k, seen_k } = solution;
+    let Solution { attitude, sigma, contrast_k, seen_k, sensors, hidden, hint } = solution;
     if let Some(a) = attitude {
         prop_assert!(a.roll.abs() <= PI && a.pitch.abs() <= FRAC_PI_2, "{name}: {a:?}");
+    }
+    let told = sensors.iter().flat_map(|s| [s.expected_k, s.residual_k]).flatten().chain(*hidden);
+    for k in told.chain(hint.iter().flat_map(|h| [h.bearing, h.strength_k])) {
+        prop_assert!(k.is_finite(), "{name}: {sensors:?} {hidden:?} {hint:?}");
     }
     for s in [sigma.roll, sigma.pitch] {
         prop_assert!(s.is_finite() && s >= 0.0, "{name}: {sigma:?}");

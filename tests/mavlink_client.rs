@@ -47,7 +47,7 @@ fn hear(endpoint: EndpointSettings, args: &[&str], estimate: impl Fn(u64, &mut E
         assert_ne!(said.read_line(&mut line).unwrap(), 0, "the client ended: {line}");
     }
     let shared = Shared::default();
-    let settings = MavlinkSettings { system_id: 3, component_id: 191, endpoints: vec![endpoint] };
+    let settings = MavlinkSettings { system_id: 3, component_id: 191, sys_status: false, endpoints: vec![endpoint] };
     let switchboard = Switchboard::new(settings, Arc::new(Head::six()));
     let done = AtomicBool::new(false);
     let output = std::thread::scope(|scope| {
@@ -66,6 +66,7 @@ fn hear(endpoint: EndpointSettings, args: &[&str], estimate: impl Fn(u64, &mut E
                     s.sequence = i;
                     s.written = now;
                     s.estimate.time = tick;
+                    s.estimate.valid_at = s.estimate.time;
                     estimate(i, &mut s.estimate);
                 });
             }

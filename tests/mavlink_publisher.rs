@@ -36,6 +36,7 @@ impl Rig {
             s.sequence += 1;
             s.written = now;
             s.estimate.time = now;
+            s.estimate.valid_at = s.estimate.time;
             s.estimate.attitude = Some(Attitude::from_degrees(10.0, -5.0));
             s.estimate.mode = Mode::Nominal;
         });
@@ -51,7 +52,7 @@ impl Rig {
 
 fn settings(endpoints: Vec<EndpointAddress>, component_id: u8) -> MavlinkSettings {
     let endpoints = endpoints.into_iter().map(|address| EndpointSettings { address, attitude_hz: None }).collect();
-    MavlinkSettings { system_id: 1, component_id, endpoints }
+    MavlinkSettings { system_id: 1, component_id, sys_status: false, endpoints }
 }
 
 fn receiver() -> (UdpSocket, EndpointAddress) {

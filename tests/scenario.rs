@@ -5,7 +5,7 @@ use irhorizon::recording::{Recording, Reference, Writer};
 use irhorizon::simulation::aircraft::Aircraft;
 use irhorizon::simulation::instruments::Fitted;
 use irhorizon::simulation::scenario::LIST;
-use irhorizon::simulation::{Outage, Scenario};
+use irhorizon::simulation::{Flight, Outage, Scenario};
 use irhorizon::sky::FieldOfView;
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
@@ -104,6 +104,19 @@ fn options_take_away_what_they_say() {
     let mut frame = Frame::new(6);
     source.scan(tick(0), &mut frame);
     assert_eq!(frame.readings.iter().filter(|r| r.is_err()).count(), 1);
+}
+
+#[test]
+fn contrast_and_noise_are_those_asked_for() {
+    // Level and without noise a vertical pair sees the contrast.
+    for name in ["clear-dry", "namibia", "overcast"] {
+        let mut source =
+            scenario(name).with_contrast(5.0).with_noise(0.0).source(1).with_flight(Flight::steady(0.0, 0.0));
+        let mut frame = Frame::new(6);
+        source.scan(tick(0), &mut frame);
+        let seen_k = object_c(&frame, 5) - object_c(&frame, 4);
+        assert!((seen_k - 5.0).abs() < 0.05, "{name}: {seen_k}");
+    }
 }
 
 #[test]

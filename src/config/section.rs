@@ -231,7 +231,7 @@ impl<'a> Section<'a> {
 
     /// One of `choices` by its name. A name among `later` is a good one of which this version knows
     /// nothing.
-    pub fn choice<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)], later: &[&str]) -> Option<T> {
+    pub fn choice<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Option<T> {
         let names: Vec<String> = choices.iter().map(|(n, _)| format!("\"{n}\"")).collect();
         let there_is = match names.as_slice() {
             [only] => only.clone(),
@@ -242,9 +242,7 @@ impl<'a> Section<'a> {
         if let Some((_, value)) = choices.iter().find(|(n, _)| *n == word) {
             return Some(*value);
         }
-        if later.contains(&word) {
-            self.wrong(key, &format!("is not in this version: there is {there_is}"));
-        } else if let (true, Some(near)) = (choices.len() > 2, nearest(word, choices.iter().map(|(n, _)| *n))) {
+        if let (true, Some(near)) = (choices.len() > 2, nearest(word, choices.iter().map(|(n, _)| *n))) {
             self.wrong(key, &format!("is not known; did you mean \"{near}\"? ({there_is})"));
         } else {
             self.wrong(key, &format!("is not known: {there_is}"));

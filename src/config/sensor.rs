@@ -104,7 +104,7 @@ fn sensor(s: &mut Section<'_>) -> Option<SensorSettings> {
     if !s.has("kind") {
         s.missing("kind", "\"mlx90614\" or \"ads1115\"");
     }
-    let device = match s.choice("kind", &[("mlx90614", true), ("ads1115", false)], &[]) {
+    let device = match s.choice("kind", &[("mlx90614", true), ("ads1115", false)]) {
         Some(true) => mlx90614(s, bus).map(DeviceSettings::Mlx90614),
         Some(false) => ads1115(s, bus).map(DeviceSettings::Ads1115),
         None => {
@@ -122,7 +122,7 @@ fn mlx90614(s: &mut Section<'_>, bus: Option<PathBuf>) -> Option<Mlx90614Setting
     let address = address(s, 0x03, 0x77, "an I²C address lies in 0x03..0x77");
     let object = s.integer("object", 1, 2, "1, or 2 of a part with two fields of view").unwrap_or(1);
     let policies = [("auto", PecPolicy::Auto), ("required", PecPolicy::Required), ("off", PecPolicy::Off)];
-    let pec = s.choice("pec", &policies, &[]).unwrap_or_default();
+    let pec = s.choice("pec", &policies).unwrap_or_default();
     Some(Mlx90614Settings { bus: bus?, address: address?, object: u8::try_from(object).ok()?, pec })
 }
 
@@ -132,14 +132,14 @@ fn ads1115(s: &mut Section<'_>, bus: Option<PathBuf>) -> Option<Ads1115Settings>
     if !s.has("input") {
         s.missing("input", "the pins that the pair is wired to, for example \"ain0-ain1\"");
     }
-    let input = s.choice("input", &AdcInput::NAMED, &[]);
+    let input = s.choice("input", &AdcInput::NAMED);
     let gain_v = s.number("gain-v", "6.144, 4.096, 2.048, 1.024, 0.512 or 0.256 V full scale", |v| {
         [6.144, 4.096, 2.048, 1.024, 0.512, 0.256].contains(&v)
     });
     let rate = s.number("data-rate-sps", "8, 16, 32, 64, 128, 250, 475 or 860 samples a second", |v| {
         [8.0, 16.0, 32.0, 64.0, 128.0, 250.0, 475.0, 860.0].contains(&v)
     });
-    let continuous = s.choice("mode", &[("single-shot", false), ("continuous", true)], &[]).unwrap_or(false);
+    let continuous = s.choice("mode", &[("single-shot", false), ("continuous", true)]).unwrap_or(false);
     let neutral_v = s.range("neutral-v", -6.144, 6.144, " V").unwrap_or(0.0);
     let kelvin = "K for each V, 0.001 to 1000000, negative for a pair wired inverted";
     if !s.has("kelvin-per-v") {
@@ -222,7 +222,7 @@ fn direction(s: &mut Section<'_>, name: Option<&str>) -> Option<Direction> {
         return Direction::from_angles(azimuth?, elevation?);
     }
     if s.has("direction") {
-        return s.choice("direction", &Direction::NAMED, &[]);
+        return s.choice("direction", &Direction::NAMED);
     }
     s.skip(&["direction"]);
     let named = Direction::named(name?);

@@ -251,6 +251,21 @@ pub enum OnFault {
     /// It is not sent.
     #[default]
     Withhold,
+    /// The last one stands in for a while, ever less sure.
+    Hold,
+    /// It eases to level.
+    Level,
+}
+
+impl OnFault {
+    /// All with their names.
+    pub const NAMED: [(&'static str, Self); 3] =
+        [("withhold", Self::Withhold), ("hold", Self::Hold), ("level", Self::Level)];
+
+    /// The word that configuration spells it by.
+    pub fn as_str(self) -> &'static str {
+        Self::NAMED.iter().find(|(_, v)| *v == self).map_or("", |(name, _)| name)
+    }
 }
 
 /// `[faults]`.
@@ -258,8 +273,22 @@ pub enum OnFault {
 pub struct FaultSettings {
     /// What ATTITUDE does while it must not be trusted.
     pub on_fault: OnFault,
-    /// The contrast below which attitude is withheld, K: 0.2 to 20.
+    /// With [`OnFault::Hold`], how long the last attitude stands in, s: 0.1 to 30.
+    pub hold_s: f64,
+    /// The standard deviation, °, above which an attitude is not given: 2 to 90.
+    pub sigma_limit_deg: f64,
+    /// The least contrast below which attitude is withheld, K: 0.2 to 20.
     pub low_contrast_c: f64,
+    /// The accuracy wanted of one scan, °, 0.5 to 30: a contrast at which the sensors' noise alone is worse is low.
+    pub accuracy_deg: f64,
+    /// The share of a film in what a sensor sees from which it is wet, %: 20 to 95.
+    pub wet_percent: f64,
+    /// The tilt that a scene might hide from which it is obstructed, °: 1 to 45.
+    pub obstructed_deg: f64,
+    /// The difference to the bank and climb being flown from which roll and pitch disagree with them, °: 2 to 90.
+    pub disagree_deg: f64,
+    /// How long a sensor must say the same while it should not, s: 0.2 to 60.
+    pub stuck_after_s: f64,
     /// How long a sensor may give nothing before it is lost, s: 0.02 to 5.
     pub lost_after_s: f64,
     /// How long a sensor must give readings again before the fault ends, s: 0.02 to 5.
@@ -295,6 +324,8 @@ pub struct MavlinkSettings {
     pub system_id: u8,
     /// 1 to 255; 191 is MAV_COMP_ID_ONBOARD_COMPUTER.
     pub component_id: u8,
+    /// Whether SYS_STATUS is sent as well.
+    pub sys_status: bool,
     /// The endpoints.
     pub endpoints: Vec<EndpointSettings>,
 }

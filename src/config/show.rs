@@ -32,8 +32,15 @@ pub fn show(settings: &Settings) -> String {
     out.set("range-time-constant-s", estimator.range_time_constant_s);
     out.set_or("roll-limit-deg", estimator.roll_limit_deg, method.usual_roll_limit_deg());
     out.header("[faults]");
-    out.set("on-fault", string("withhold"));
+    out.set("on-fault", string(faults.on_fault.as_str()));
+    out.set("hold-s", faults.hold_s);
+    out.set("sigma-limit-deg", faults.sigma_limit_deg);
     out.set("low-contrast-c", faults.low_contrast_c);
+    out.set("accuracy-deg", faults.accuracy_deg);
+    out.set("wet-percent", faults.wet_percent);
+    out.set("obstructed-deg", faults.obstructed_deg);
+    out.set("disagree-deg", faults.disagree_deg);
+    out.set("stuck-after-s", faults.stuck_after_s);
     out.set("lost-after-s", faults.lost_after_s);
     out.set("back-after-s", faults.back_after_s);
     out.set("stale-after-s", faults.stale_after_s);
@@ -41,6 +48,7 @@ pub fn show(settings: &Settings) -> String {
     out.header("[mavlink]");
     out.set("system-id", mavlink.system_id);
     out.set("component-id", mavlink.component_id);
+    out.set("sys-status", mavlink.sys_status);
     for e in &mavlink.endpoints {
         out.header("[[mavlink.endpoint]]");
         out.set(

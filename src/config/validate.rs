@@ -55,7 +55,7 @@ fn head(mut s: Section<'_>, d: HeadSettings) -> HeadSettings {
 
 fn estimator(mut s: Section<'_>, d: EstimatorSettings) -> EstimatorSettings {
     let settings = EstimatorSettings {
-        method: s.choice("method", &Method::NAMED, &[]).or(d.method),
+        method: s.choice("method", &Method::NAMED).or(d.method),
         range_time_constant_s: s.range("range-time-constant-s", 0.1, 60.0, " s").unwrap_or(d.range_time_constant_s),
         roll_limit_deg: s
             .number("roll-limit-deg", "0 (no limit) or 10 to 180°", |v| v == 0.0 || (10.0..=180.0).contains(&v))
@@ -67,8 +67,15 @@ fn estimator(mut s: Section<'_>, d: EstimatorSettings) -> EstimatorSettings {
 
 fn faults(mut s: Section<'_>, d: FaultSettings) -> FaultSettings {
     let settings = FaultSettings {
-        on_fault: s.choice("on-fault", &[("withhold", OnFault::Withhold)], &["hold", "level"]).unwrap_or(d.on_fault),
+        on_fault: s.choice("on-fault", &OnFault::NAMED).unwrap_or(d.on_fault),
+        hold_s: s.range("hold-s", 0.1, 30.0, " s").unwrap_or(d.hold_s),
+        sigma_limit_deg: s.range("sigma-limit-deg", 2.0, 90.0, "°").unwrap_or(d.sigma_limit_deg),
         low_contrast_c: s.range("low-contrast-c", 0.2, 20.0, " K").unwrap_or(d.low_contrast_c),
+        accuracy_deg: s.range("accuracy-deg", 0.5, 30.0, "°").unwrap_or(d.accuracy_deg),
+        wet_percent: s.range("wet-percent", 20.0, 95.0, " %").unwrap_or(d.wet_percent),
+        obstructed_deg: s.range("obstructed-deg", 1.0, 45.0, "°").unwrap_or(d.obstructed_deg),
+        disagree_deg: s.range("disagree-deg", 2.0, 90.0, "°").unwrap_or(d.disagree_deg),
+        stuck_after_s: s.range("stuck-after-s", 0.2, 60.0, " s").unwrap_or(d.stuck_after_s),
         lost_after_s: s.range("lost-after-s", 0.02, 5.0, " s").unwrap_or(d.lost_after_s),
         back_after_s: s.range("back-after-s", 0.02, 5.0, " s").unwrap_or(d.back_after_s),
         stale_after_s: s.range("stale-after-s", 0.05, 10.0, " s").unwrap_or(d.stale_after_s),
@@ -82,9 +89,10 @@ fn mavlink<'a>(mut s: Section<'a>, d: MavlinkSettings, findings: &Findings<'a>, 
     let mut id =
         |key, default| s.integer(key, 1, 255, "1 to 255").and_then(|i| u8::try_from(i).ok()).unwrap_or(default);
     let (system_id, component_id) = (id("system-id", d.system_id), id("component-id", d.component_id));
+    let sys_status = s.boolean("sys-status").unwrap_or(d.sys_status);
     let endpoints = endpoint::read(&mut s, findings, rate_hz);
     s.finish();
-    MavlinkSettings { system_id, component_id, endpoints }
+    MavlinkSettings { system_id, component_id, sys_status, endpoints }
 }
 
 fn dbus(mut s: Section<'_>, d: DbusSettings) -> DbusSettings {
@@ -111,7 +119,7 @@ fn simulation(mut s: Section<'_>, sensors: &Sensors<'_>, findings: &Findings<'_>
     let d = SimulationSettings::default();
     let enabled = s.boolean("enabled").unwrap_or(false);
     let settings = SimulationSettings {
-        sky: s.choice("sky", &SkyName::NAMED, &[]).unwrap_or(d.sky),
+        sky: s.choice("sky", &SkyName::NAMED).unwrap_or(d.sky),
         noise_c: s.range("noise-c", 0.0, 5.0, " K").unwrap_or(d.noise_c),
         lag_s: s.range("lag-s", 0.0, 5.0, " s").unwrap_or(d.lag_s),
         seed: s.integer("seed", 0, i64::MAX, "0 or more, below 2^63").map_or(d.seed, i64::unsigned_abs),

@@ -1,7 +1,8 @@
 //! The daemon's answers as the view that everything prints.
 
+use super::advice;
 use super::client::ClientError;
-use super::view::{Endpoint, Fault, Sensor, Status, Trim};
+use super::view::{Endpoint, Fault, Hint, Sensor, Status, Trim};
 use crate::dbus::SENSOR;
 use crate::time::Time;
 use std::collections::HashMap;
@@ -38,6 +39,7 @@ pub(super) fn status(
     let endpoints: Vec<(String, u64, u64, String)> = p.take("Endpoints")?;
     let age_s = |usec: u64| now.since(Time::from_nanos(usec.saturating_mul(1_000)));
     let sample_time_usec = p.take("SampleTimeUsec")?;
+    let (bearing_deg, strength_c) = (p.number("HintBearingDeg")?, p.number("HintStrengthC")?);
     let mut sensors = Vec::new();
     for mut interfaces in objects.into_values() {
         if let Some(properties) = interfaces.remove(SENSOR) {
@@ -60,12 +62,16 @@ pub(super) fn status(
             pitch_learnt_deg: p.take("PitchTrimLearntDeg")?,
         },
         contrast_c: p.number("ContrastC")?,
+        hint: bearing_deg.zip(strength_c).map(|(bearing_deg, strength_c)| Hint { bearing_deg, strength_c }),
         sample_time_usec,
         sample_age_s: if sample_time_usec == 0 { f64::NAN } else { age_s(sample_time_usec) },
         rate_hz: p.take("RateHz")?,
         faults: faults
             .into_iter()
-            .map(|(name, since, evidence)| Fault { name, for_s: age_s(since), evidence })
+            .map(|(name, since, evidence)| {
+                let advice = advice::of(&name);
+                Fault { name, for_s: age_s(since), evidence, advice }
+            })
             .collect(),
         sensors: sensors.into_iter().map(|(_, sensor)| sensor).collect(),
         endpoints: endpoints
@@ -88,6 +94,7 @@ fn sensor(mut p: Properties) -> Result<(u32, Sensor), ClientError> {
         object_c: p.number("ObjectC")?,
         ambient_c: p.number("AmbientC")?,
         volts: p.number("Volts")?,
+        residual_c: p.number("ResidualC")?,
         integrity: p.take("Integrity")?,
         settling_s: p.take("SettlingS")?,
         emissivity: p.number("Emissivity")?,

@@ -5,7 +5,7 @@
 //! - [`cli`]: the words of the command line; [`run`] does what they say.
 //! - [`kit`]: what the commands are given: the daemon, the configuration, the pipeline.
 //! - [`error`]: what goes wrong, and the exit codes.
-//! - [`status`], [`prometheus`], [`sensors`]: the state as text.
+//! - [`status`], [`prometheus`], [`sensors`]: the state as text; [`advice`]: what to do about a fault.
 //! - [`watch`]: the live horizon.
 //! - [`trim`]: the head's trim as configuration.
 //! - [`simulate`]: recordings of flights that never were.
@@ -14,6 +14,7 @@
 //! - [`score`]: methods side by side against a reference; [`plot`]: drawings.
 //! - `name`: a name for a recording that was given none; `signals`: a polite end on request.
 
+pub mod advice;
 mod answer;
 pub mod cli;
 pub mod client;

@@ -84,7 +84,7 @@ impl Fresh {
     /// The attitude that `estimate` gives anew. A frame that the pipeline makes nothing of leaves
     /// the estimate as it was: not to be shown under a new time.
     pub fn take(&mut self, estimate: &Estimate) -> Option<Attitude> {
-        let fresh = self.stamp.replace(estimate.time) != Some(estimate.time);
+        let fresh = self.stamp.replace(estimate.valid_at) != Some(estimate.valid_at);
         estimate.attitude.filter(|_| fresh)
     }
 }
@@ -99,9 +99,9 @@ mod tests {
         let mut estimate = Estimate { attitude: Some(Attitude::default()), ..Estimate::default() };
         assert!(fresh.take(&estimate).is_some());
         assert!(fresh.take(&estimate).is_none());
-        estimate.time = Time::from_nanos(1);
+        estimate.valid_at = Time::from_nanos(1);
         assert!(fresh.take(&estimate).is_some());
-        estimate.time = Time::from_nanos(2);
+        estimate.valid_at = Time::from_nanos(2);
         estimate.attitude = None;
         assert!(fresh.take(&estimate).is_none());
     }

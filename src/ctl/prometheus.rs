@@ -18,6 +18,12 @@ pub fn exposition(status: Option<&Status>) -> String {
         ("roll_sigma_degrees", "Standard deviation of roll.", s.roll_sigma_deg),
         ("pitch_sigma_degrees", "Standard deviation of pitch.", s.pitch_sigma_deg),
         ("contrast_kelvin", "Ground less zenith as the vertical pair sees it.", s.contrast_c),
+        (
+            "hint_bearing_degrees",
+            "Where something warm stands above the horizon, clockwise from the nose; NaN when nothing does.",
+            s.hint.map(|h| h.bearing_deg),
+        ),
+        ("hint_strength_kelvin", "How much warmer than the opposite side that is.", s.hint.map(|h| h.strength_c)),
         ("sample_age_seconds", "Age of the newest measurement.", Some(s.sample_age_s)),
         ("rate_hertz", "Frames a second.", Some(s.rate_hz)),
     ] {
@@ -31,6 +37,10 @@ pub fn exposition(status: Option<&Status>) -> String {
     t.metric("faults", "gauge", "Active faults.");
     t.sample("faults", &[], s.faults.len() as f64);
     if !s.faults.is_empty() {
+        t.metric("fault", "gauge", "1 for each active fault.");
+        for f in &s.faults {
+            t.sample("fault", &[("name", &f.name)], 1.0);
+        }
         t.metric("fault_seconds", "gauge", "For how long each active fault has been there.");
         for f in &s.faults {
             t.sample("fault_seconds", &[("fault", &f.name)], f.for_s);
@@ -53,6 +63,7 @@ fn sensors(t: &mut Text, s: &Status) {
         ("sensor_object_celsius", "What the sensor looks at."),
         ("sensor_ambient_celsius", "The sensor's own die."),
         ("sensor_volts", "The pair's voltage."),
+        ("sensor_residual_kelvin", "What the sensor shows beyond what attitude and sky explain."),
     ] {
         let values: Vec<_> = s
             .sensors
@@ -61,6 +72,7 @@ fn sensors(t: &mut Text, s: &Status) {
                 let value = match name {
                     "sensor_object_celsius" => x.object_c,
                     "sensor_ambient_celsius" => x.ambient_c,
+                    "sensor_residual_kelvin" => x.residual_c,
                     _ => x.volts,
                 };
                 Some((x, value?))

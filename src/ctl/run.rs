@@ -56,7 +56,7 @@ fn dispatch(cli: &Cli, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> R
         Command::Sensors { format } => {
             let status = ask(&cli.bus, kit)?;
             let text = match format {
-                SensorsFormat::Plain => sensors::table(&status.sensors) + &sensors::remedies(&status.sensors),
+                SensorsFormat::Plain => sensors::table(&status.sensors) + &sensors::remedies(&status),
                 SensorsFormat::Json => json(&status.sensors)?,
             };
             print(out, &text)?;

@@ -1,16 +1,16 @@
 //! The sensors as a table.
 
 use super::status::finite;
-use super::view::Sensor;
+use super::view::{Fault, Sensor, Status};
 use crate::bus::explain::{Facts, Place, explain_missing};
 use crate::frame::Missing;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-const TITLES: [&str; 11] =
-    ["NAME", "LOOKS", "CHIP", "AT", "OBJECT", "OWN", "VOLTS", "SETTLES", "CHECK", "STATE", "COUNTS"];
+const TITLES: [&str; 12] =
+    ["NAME", "LOOKS", "CHIP", "AT", "OBJECT", "OWN", "VOLTS", "RESIDUAL", "SETTLES", "CHECK", "STATE", "COUNTS"];
 /// The columns that hold numbers stand to the right.
-const RIGHT: std::ops::Range<usize> = 4..8;
+const RIGHT: std::ops::Range<usize> = 4..9;
 
 /// A line for each sensor under a line of titles, columns aligned.
 pub fn table(sensors: &[Sensor]) -> String {
@@ -33,21 +33,29 @@ pub fn table(sensors: &[Sensor]) -> String {
     text
 }
 
-/// Under the table: why each sensor gives nothing, and what to do about it, by what this machine
-/// knows of its bus.
-pub fn remedies(sensors: &[Sensor]) -> String {
-    let mut text = String::new();
-    for s in sensors.iter().filter(|s| !s.bus.is_empty()) {
-        let Some(why) = Missing::from_words(&s.state).filter(|m| *m != Missing::NotYet) else { continue };
-        let chip = if s.kind == "ads1115" { "ADS1115" } else { "MLX90614" };
-        let bus = PathBuf::from(&s.bus);
-        // The daemon's user counts, not ours: the one of its unit.
-        let facts = Facts { user: Some("irhorizon".to_owned()), ..Facts::gather(Path::new("/"), &bus, s.address) };
-        let place = Place { name: s.name.clone(), chip, bus, address: s.address };
-        let gap = if text.is_empty() { "\n" } else { "" };
-        let _ = writeln!(text, "{gap}{}", explain_missing(&place, why, &facts));
-    }
-    text
+/// Under the table: why each sensor gives nothing or is left out, and what to do about it; of one that gives nothing
+/// by what this machine knows of its bus.
+pub fn remedies(s: &Status) -> String {
+    let lines: Vec<String> = s.sensors.iter().flat_map(|x| missing(x).or_else(|| rejected(x, &s.faults))).collect();
+    lines.iter().enumerate().map(|(i, line)| format!("{}{line}\n", if i == 0 { "\n" } else { "" })).collect()
+}
+
+/// Why there is no measurement of `s`.
+fn missing(s: &Sensor) -> Option<String> {
+    let why = Missing::from_words(&s.state).filter(|m| !s.bus.is_empty() && *m != Missing::NotYet)?;
+    let chip = if s.kind == "ads1115" { "ADS1115" } else { "MLX90614" };
+    let bus = PathBuf::from(&s.bus);
+    // The daemon's user counts, not ours: the one of its unit.
+    let facts = Facts { user: Some("irhorizon".to_owned()), ..Facts::gather(Path::new("/"), &bus, s.address) };
+    let place = Place { name: s.name.clone(), chip, bus, address: s.address };
+    Some(explain_missing(&place, why, &facts))
+}
+
+/// The faults of `s` itself: `wet-sensor:nose`.
+fn rejected(s: &Sensor, faults: &[Fault]) -> Option<String> {
+    let own = faults.iter().filter(|f| f.name.split_once(':').is_some_and(|(_, name)| name == s.name));
+    let lines: Vec<String> = own.map(|f| format!("{} ({}): {}", f.name, f.evidence, f.advice)).collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
 fn cells(s: &Sensor) -> [String; TITLES.len()] {
@@ -65,6 +73,8 @@ fn cells(s: &Sensor) -> [String; TITLES.len()] {
         value(s.object_c, 2, "°C"),
         value(s.ambient_c, 2, "°C"),
         value(s.volts, 5, "V"),
+        finite(s.residual_c)
+            .map_or_else(|| "-".to_owned(), |k| format!("{:+.2} K", if k.abs() < 0.005 { 0.0 } else { k })),
         settles,
         s.integrity.clone(),
         s.state.clone(),

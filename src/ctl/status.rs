@@ -1,7 +1,7 @@
 //! The state as people read it.
 
 use super::error::{EXIT_FAILED, EXIT_OK, EXIT_WITHHELD};
-use super::view::Status;
+use super::view::{Hint, Status};
 use std::fmt::Write as _;
 
 /// A smaller trim that was learnt is not spoken of, °.
@@ -23,7 +23,8 @@ pub fn plain(s: &Status) -> String {
         let _ = writeln!(t, "{label:<10} {text}");
     };
     line("irhorizond", &format!("{}, method {}", s.version, s.method));
-    line("mode", &s.mode);
+    let stands_in = s.mode == "faulted" && finite(s.roll_deg).is_some();
+    line("mode", &format!("{}{}", s.mode, if stands_in { "; roll and pitch are shown, not measured" } else { "" }));
     line("roll", &angle(s.roll_deg, s.roll_sigma_deg, ("right", "left")));
     line("pitch", &angle(s.pitch_deg, s.pitch_sigma_deg, ("up", "down")));
     let learnt = s.trim.roll_learnt_deg.abs().max(s.trim.pitch_learnt_deg.abs());
@@ -43,6 +44,12 @@ pub fn plain(s: &Status) -> String {
     for (i, f) in s.faults.iter().enumerate() {
         let label = if i == 0 { "faults" } else { "" };
         line(label, &format!("{:<width$}  for {:<7} {}", f.name, duration(f.for_s), f.evidence));
+        if !f.advice.is_empty() {
+            line("", &format!("  {}", f.advice));
+        }
+    }
+    if let Some(hint) = s.hint {
+        line("hint", &warm(hint));
     }
     let bad: Vec<_> = s.sensors.iter().filter(|x| x.state != "ok").collect();
     line("sensors", &format!("{} of {} ok", s.sensors.len() - bad.len(), s.sensors.len()));
@@ -70,6 +77,15 @@ fn angle(value: Option<f64>, sigma: Option<f64>, (positive, negative): (&str, &s
     let v = if v.abs() < 0.05 { 0.0 } else { v };
     let sigma = finite(sigma).map_or_else(|| "?".into(), |s| format!("{s:.1}°"));
     format!("{v:>+6.1}° ± {sigma}  {side}")
+}
+
+/// `3.2 K warmer on the right (90°)`.
+fn warm(hint: Hint) -> String {
+    let sides = ["ahead", "ahead to the right", "on the right", "behind to the right", "behind"];
+    let left = ["", "ahead to the left", "on the left", "behind to the left", ""];
+    let eighth = (hint.bearing_deg.abs() / 45.0).round().clamp(0.0, 4.0) as usize;
+    let side = if hint.bearing_deg < 0.0 && !left[eighth].is_empty() { left[eighth] } else { sides[eighth] };
+    format!("{} K warmer {side} ({}°)", number(hint.strength_c, 1), number(hint.bearing_deg, 0))
 }
 
 /// A value that is one.

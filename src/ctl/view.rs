@@ -23,6 +23,8 @@ pub struct Status {
     pub trim: Trim,
     /// Ground less zenith as the vertical pair sees it, K.
     pub contrast_c: Option<f64>,
+    /// Something warm above the horizon to one side.
+    pub hint: Option<Hint>,
     /// The stamp of the newest measurement, µs of `CLOCK_BOOTTIME`.
     pub sample_time_usec: u64,
     /// Its age when the client looked, s.
@@ -50,6 +52,15 @@ pub struct Trim {
     pub pitch_learnt_deg: f64,
 }
 
+/// Something warm above the horizon to one side: a ridge, a cloud bank.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Hint {
+    /// Where, ° clockwise from the nose, in (−180, 180].
+    pub bearing_deg: f64,
+    /// How much warmer than the opposite side, K.
+    pub strength_c: f64,
+}
+
 /// An active fault.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Fault {
@@ -59,6 +70,8 @@ pub struct Fault {
     pub for_s: f64,
     /// What speaks for it, in words and numbers.
     pub evidence: String,
+    /// What to do about it; empty for a fault that this program does not know.
+    pub advice: &'static str,
 }
 
 /// A sensor.
@@ -82,6 +95,8 @@ pub struct Sensor {
     pub ambient_c: Option<f64>,
     /// The pair's voltage, V.
     pub volts: Option<f64>,
+    /// What it shows beyond what attitude and sky explain, K.
+    pub residual_c: Option<f64>,
     /// How its words are checked: `pec`, `software-pec`, `unchecked: …`.
     pub integrity: String,
     /// Its settling time, s; 0 when unknown.

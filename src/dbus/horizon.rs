@@ -2,7 +2,7 @@
 
 use super::info::Control;
 use super::live::Live;
-use crate::attitude::Attitude;
+use crate::attitude::{Attitude, Hint};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use zbus::{Variant, interface};
 
@@ -42,14 +42,20 @@ impl Horizon {
         pick(lock(&self.live).snapshot.estimate.trim).to_degrees()
     }
 
+    fn hint(&self, pick: impl FnOnce(Hint) -> f64) -> f64 {
+        lock(&self.live).snapshot.estimate.hint.map_or(f64::NAN, pick)
+    }
+
     /// The properties whose changes are signalled.
-    pub fn signalled(&self) -> [(&'static str, Variant<'static>); 11] {
+    pub fn signalled(&self) -> [(&'static str, Variant<'static>); 13] {
         [
             ("RollDeg", self.roll_deg().into()),
             ("PitchDeg", self.pitch_deg().into()),
             ("RollSigmaDeg", self.roll_sigma_deg().into()),
             ("PitchSigmaDeg", self.pitch_sigma_deg().into()),
             ("ContrastC", self.contrast_c().into()),
+            ("HintBearingDeg", self.hint_bearing_deg().into()),
+            ("HintStrengthC", self.hint_strength_c().into()),
             ("Mode", self.mode().into()),
             ("Faults", self.faults().into()),
             ("FaultDetails", self.fault_details().into()),
@@ -93,6 +99,19 @@ impl Horizon {
     #[zbus(property)]
     pub fn contrast_c(&self) -> f64 {
         lock(&self.live).snapshot.estimate.contrast_k.unwrap_or(f64::NAN)
+    }
+
+    /// Where something warm stands above the horizon, degrees clockwise from the nose, in (-180, 180]; NaN when
+    /// there is nothing.
+    #[zbus(property)]
+    pub fn hint_bearing_deg(&self) -> f64 {
+        self.hint(|h| h.bearing.to_degrees())
+    }
+
+    /// How much warmer than the opposite side that is, kelvin; NaN when there is nothing.
+    #[zbus(property)]
+    pub fn hint_strength_c(&self) -> f64 {
+        self.hint(|h| h.strength_k)
     }
 
     /// The roll that the head shows in level flight, as configured and learnt, degrees.

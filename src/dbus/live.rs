@@ -42,6 +42,8 @@ impl Live {
             let estimate = &mut self.snapshot.estimate;
             estimate.attitude = None;
             estimate.contrast_k = None;
+            estimate.hint = None;
+            estimate.residuals_k.clear();
             estimate.mode = Mode::Faulted;
             self.snapshot.rate_hz = 0.0;
             let evidence = Evidence::Limit { value: age, limit, unit: "s" };

@@ -111,6 +111,12 @@ impl Sensor {
         })
     }
 
+    /// What it shows beyond what attitude and sky explain, kelvin.
+    #[zbus(property(emits_changed_signal = "false"))]
+    fn residual_c(&self) -> f64 {
+        lock(&self.live).snapshot.estimate.residuals_k.get(self.index).copied().flatten().unwrap_or(f64::NAN)
+    }
+
     /// When it was measured, microseconds of CLOCK_BOOTTIME; 0 without a measurement.
     #[zbus(property(emits_changed_signal = "false"))]
     fn sample_time_usec(&self) -> u64 {

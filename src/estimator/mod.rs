@@ -6,6 +6,8 @@
 //! - [`field`]: every sensor by itself, the sky estimated together with the attitude;
 //! - [`trim`]: how the head is mounted, learnt in flight from slow references;
 //! - [`flying`]: what the readers of slow references share;
+//! - [`references`]: what GPS and airspeed say: the bank of a coordinated turn, the angle of climb;
+//! - [`sides`]: which side is up;
 //! - [`range`]: the low-pass filter of the adaptive range;
 //! - [`suits`]: which heads each method works with;
 //! - [`vector`], [`normal`], [`noise`]: three components, least squares over directions, and the noise that every σ
@@ -21,6 +23,8 @@ pub mod noise;
 pub mod normal;
 pub mod profile;
 pub mod range;
+pub mod references;
+pub mod sides;
 pub mod suits;
 pub mod trim;
 pub mod vector;
@@ -29,8 +33,34 @@ pub use field::FieldEstimator;
 pub use inverse_sine::InverseSineEstimator;
 pub use profile::ProfileEstimator;
 
-use crate::attitude::Attitude;
+use crate::attitude::{Attitude, Hint};
 use crate::frame::Frame;
+use field::MAX_SENSORS;
+
+/// Whether a method makes use of a sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Standing {
+    /// It is heard.
+    #[default]
+    Heard,
+    /// Others contradict it: not heard until that is decided.
+    Doubted,
+    /// It is not heard until it has long been in accord with the others.
+    LeftOut,
+    /// It repeats itself while it should change.
+    Stuck,
+}
+
+/// What a method makes of one sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hearing {
+    /// Whether it is heard.
+    pub standing: Standing,
+    /// What the other sensors say that it should show, °C or K; `None` where that is not known.
+    pub expected_k: Option<f64>,
+    /// What it shows beyond what attitude and sky explain, K.
+    pub residual_k: Option<f64>,
+}
 
 /// What a method makes of a frame, before the fault detectors have had their say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,6 +73,12 @@ pub struct Solution {
     pub contrast_k: Option<f64>,
     /// The components of the contrast vector on (nose, left, up) as seen in this frame alone, K.
     pub seen_k: Option<[f64; 3]>,
+    /// Each sensor by itself, in the head's order, for methods that hear them one by one.
+    pub sensors: [Hearing; MAX_SENSORS],
+    /// The tilt that a scene unlike a horizon may hide, rad; `None` where the method cannot tell.
+    pub hidden: Option<f64>,
+    /// Something warm beside, where that can be told.
+    pub hint: Option<Hint>,
 }
 
 /// A method of estimation.

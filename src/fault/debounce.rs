@@ -1,5 +1,6 @@
 //! Time hysteresis: a condition must last before it is a fault, and be gone before it is none.
 
+use super::{ActiveFault, Evidence, FaultKind};
 use crate::time::Time;
 
 /// Where a condition stands.
@@ -44,10 +45,22 @@ impl Debounce {
                 self.changing_since = None;
             }
         }
-        match (self.active, present) {
+        self.state()
+    }
+
+    /// Where the condition stands.
+    pub fn state(&self) -> State {
+        match (self.active, self.changing_since) {
             (true, _) => State::Active,
-            (false, true) => State::Suspected,
-            (false, false) => State::Clear,
+            (false, Some(_)) => State::Suspected,
+            (false, None) => State::Clear,
+        }
+    }
+
+    /// Adds the fault to `faults` while it is there.
+    pub fn report(&self, kind: FaultKind, evidence: Evidence, faults: &mut Vec<ActiveFault>) {
+        if self.active {
+            faults.push(ActiveFault { kind, since: self.active_since, evidence });
         }
     }
 

@@ -1,13 +1,27 @@
 //! Faults: one vocabulary everywhere (D-Bus, recording, STATUSTEXT, status).
 //!
 //! - `vocabulary`: the kinds, an active fault, its evidence;
-//! - [`debounce`]: hysteresis in time;
-//! - [`contrast`]: `low-contrast`, `inverted-contrast`;
-//! - [`sensors`]: `sensor-lost`, `sensor-saturated`, `bus-down`, `stale`.
+//! - [`detectors`]: all detectors together;
+//! - [`low_contrast`]: `low-contrast`; [`noise`]: the noise that its limit follows from;
+//! - [`inverted`]: ground and sky exchanged, `inverted-contrast`;
+//! - [`wet`]: `wet-sensor`; [`stuck`]: `sensor-stuck`;
+//! - [`obstructed`]: a scene that is no horizon, `obstructed`; [`disagree`]: `roll-disagrees`, `pitch-disagrees`;
+//! - [`sensors`]: `sensor-lost`, `sensor-saturated`, `bus-down`, `stale`;
+//! - [`debounce`]: hysteresis in time.
 
-pub mod contrast;
 pub mod debounce;
+pub mod detectors;
+pub mod disagree;
+pub mod inverted;
+#[cfg(test)]
+mod kit;
+pub mod low_contrast;
+pub mod noise;
+pub mod obstructed;
 pub mod sensors;
+pub mod stuck;
 mod vocabulary;
+pub mod wet;
 
+pub use detectors::Detectors;
 pub use vocabulary::{ActiveFault, Evidence, FaultKind, FaultName};

@@ -9,8 +9,18 @@ use std::fmt;
 pub enum FaultKind {
     /// Fog, heavy overcast: the vertical pair sees too little difference.
     LowContrast,
-    /// Ground colder than sky (hail), or the aircraft on its back.
+    /// Ground colder than sky: hail.
     InvertedContrast,
+    /// A film of water or dirt dominates what a sensor sees.
+    WetSensor(usize),
+    /// Ridge, valley or cloud beside: the scene is not a horizon.
+    Obstructed,
+    /// Roll is not that of the turn being flown, by GPS and gyro.
+    RollDisagrees,
+    /// Pitch is not that of the climb being flown, by GPS.
+    PitchDisagrees,
+    /// A sensor says the same whatever the aircraft does.
+    SensorStuck(usize),
     /// A sensor has given no measurement for a while.
     SensorLost(usize),
     /// A sensor has stood at the end of its range for a while.
@@ -30,7 +40,7 @@ pub enum Evidence {
         value: f64,
         /// The limit.
         limit: f64,
-        /// The unit of both ("K", "s").
+        /// The unit of both ("K", "s", "%", "°").
         unit: &'static str,
     },
     /// The reason why there is no measurement, and how many reads in a row it has failed.
@@ -79,6 +89,11 @@ impl FaultKind {
                 match self.0 {
                     FaultKind::LowContrast => f.write_str("low-contrast"),
                     FaultKind::InvertedContrast => f.write_str("inverted-contrast"),
+                    FaultKind::WetSensor(i) => write!(f, "wet-sensor:{}", self.1.sensor(i)),
+                    FaultKind::Obstructed => f.write_str("obstructed"),
+                    FaultKind::RollDisagrees => f.write_str("roll-disagrees"),
+                    FaultKind::PitchDisagrees => f.write_str("pitch-disagrees"),
+                    FaultKind::SensorStuck(i) => write!(f, "sensor-stuck:{}", self.1.sensor(i)),
                     FaultKind::SensorLost(i) => write!(f, "sensor-lost:{}", self.1.sensor(i)),
                     FaultKind::SensorSaturated(i) => write!(f, "sensor-saturated:{}", self.1.sensor(i)),
                     FaultKind::BusDown(i) => write!(f, "bus-down:{}", self.1.bus(i)),

@@ -1,4 +1,4 @@
-//! The fault lamp: lit while attitude is withheld, blinking slowly while it is degraded.
+//! The fault lamp: lit while attitude is withheld or not measured, blinking slowly while it is degraded.
 
 use super::{GpioError, Switch};
 use crate::attitude::Mode;

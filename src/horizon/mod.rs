@@ -1,35 +1,53 @@
 //! The core put together: a frame goes in, an estimate comes out. The daemon and `replay` run this.
 //!
 //! - `build`: the estimator that the settings ask for;
-//! - [`mounting`]: from the head's axes to the airframe's.
+//! - [`mounting`]: from the head's axes to the airframe's;
+//! - [`output`]: what is said of it, also while it cannot be trusted: `continuity`, `sigma_limit`, `stand_in`.
 
 mod build;
+mod continuity;
 pub mod mounting;
+pub mod output;
+mod sigma_limit;
+mod stand_in;
 
-use crate::attitude::{Attitude, Estimate, Mode};
+use crate::attitude::{Attitude, Estimate};
 use crate::config::Settings;
 use crate::config::settings::Method;
 use crate::estimator::Estimator;
 use crate::estimator::trim::Learner;
-use crate::fault::FaultKind;
-use crate::fault::contrast::ContrastDetector;
-use crate::fault::sensors::SensorDetector;
+use crate::fault::{ActiveFault, Detectors, FaultKind};
 use crate::frame::{Frame, Missing};
 use crate::head::Head;
 use mounting::Mounting;
+use output::{Output, Verdict};
+
+/// The largest roll given, rad.
+enum RollLimit {
+    /// There is none.
+    None,
+    /// The method has it built in.
+    BuiltIn(f64),
+    /// It is put on the method's roll.
+    Here(f64),
+}
 
 /// An estimator beside the fault detectors.
 pub struct Horizon {
     estimator: Box<dyn Estimator>,
-    contrast: ContrastDetector,
-    sensors: SensorDetector,
+    detectors: Detectors,
+    head: Head,
+    /// A frame without the sensors that are not to be heard.
+    heard: Frame,
+    /// The airframe's attitude, as the method has it, and its standard deviation.
+    last: Option<(Attitude, Attitude)>,
     mounting: Mounting,
-    /// The largest roll given, rad; `None` where there is no limit or the method has it built in.
-    roll_limit: Option<f64>,
+    roll_limit: RollLimit,
     /// The configuration says the sensors' lag.
     lag_said: bool,
     /// What the configured trim leaves; `None` where that is not to be learnt.
     learner: Option<Learner>,
+    output: Output,
 }
 
 impl Horizon {
@@ -45,11 +63,19 @@ impl Horizon {
         Self {
             estimator,
             mounting: if built_in { Mounting::Offset(trim) } else { Mounting::Turned(trim) },
-            roll_limit: (limit_deg > 0.0 && !built_in).then(|| limit_deg.to_radians()),
+            roll_limit: match limit_deg {
+                ..=0.0 => RollLimit::None,
+                // As the method reckons it, but for its last digits.
+                _ if built_in => RollLimit::BuiltIn(limit_deg.to_radians() * (1.0 - 1e-9)),
+                _ => RollLimit::Here(limit_deg.to_radians()),
+            },
             lag_said: settings.head.lag_s.is_some(),
-            contrast: ContrastDetector::new(f.low_contrast_c),
-            sensors: SensorDetector::new(head, f.lost_after_s, f.back_after_s, f.stale_after_s),
+            detectors: Detectors::new(f, &head),
+            heard: Frame::new(head.sensors.len()),
+            head,
+            last: None,
             learner: (settings.head.learn_trim && !built_in).then(Learner::default),
+            output: Output::new(f),
         }
     }
 
@@ -67,37 +93,55 @@ impl Horizon {
     /// A frame that gives none without being a fault (one missed read) leaves the estimate with its
     /// old stamp: publishers send nothing new.
     pub fn update(&mut self, frame: &Frame, buses_down: &[Option<Missing>], estimate: &mut Estimate) {
-        let solution = self.estimator.update(frame);
-        let trusted = self.contrast.update(&solution, frame.time);
-        self.sensors.update(frame, buses_down);
+        self.hear(frame);
+        let solution = self.estimator.update(&self.heard);
+        let trusted = self.detectors.update(frame, &solution, buses_down);
+        let doubt = self.detectors.compare(self.last.take().filter(|_| trusted), frame);
         estimate.faults.clear();
-        self.contrast.report(&mut estimate.faults);
-        self.sensors.report(&mut estimate.faults);
+        self.detectors.report(&mut estimate.faults);
+        estimate.residuals_k.clear();
+        let sensors = solution.sensors.iter().map(|s| s.residual_k);
+        estimate.residuals_k.extend(sensors.take(self.head.sensors.len()));
+        estimate.hint = solution.hint.filter(|_| trusted);
         if solution.contrast_k.is_some() {
             estimate.contrast_k = solution.contrast_k;
         }
 
-        match solution.attitude {
-            Some(a) if trusted => {
-                self.publish(a, solution.sigma, frame, estimate);
-                estimate.mode = if estimate.faults.is_empty() { Mode::Nominal } else { Mode::Degraded };
+        let solved = solution.attitude.is_some();
+        let verdict = match solution.attitude {
+            Some(seen) if trusted => self.given(seen, solution.sigma, doubt, frame, estimate),
+            None if trusted && estimate.faults.is_empty() => Verdict::Nothing,
+            _ if estimate.faults.iter().any(|f| self.detectors.withholds(f.kind, solved)) => Verdict::Withheld,
+            // Suspected, not yet a fault.
+            _ => Verdict::Nothing,
+        };
+        self.output.update(verdict, frame.time, frame.sample_time(), estimate);
+    }
+
+    /// Copies a frame without the sensors that are stuck.
+    fn hear(&mut self, frame: &Frame) {
+        self.heard.clone_from(frame);
+        for (i, reading) in self.heard.readings.iter_mut().enumerate() {
+            if self.detectors.is_stuck(i) {
+                *reading = Err(Missing::Empty);
             }
-            None if trusted && estimate.faults.is_empty() => return,
-            _ if estimate.faults.iter().any(|f| withholds(f.kind, solution.attitude.is_some())) => {
-                estimate.attitude = None;
-                estimate.mode = Mode::Faulted;
-            }
-            // Suspected, not yet a fault: nothing new is said.
-            _ => return,
         }
-        estimate.time = frame.sample_time().unwrap_or(estimate.time);
     }
 
     /// Takes the mounting off `seen`, learns of it where nothing speaks against that, and limits roll.
-    fn publish(&mut self, seen: Attitude, sigma: Attitude, frame: &Frame, estimate: &mut Estimate) {
+    fn given(
+        &mut self,
+        seen: Attitude,
+        sigma: Attitude,
+        doubt: Attitude,
+        frame: &Frame,
+        estimate: &mut Estimate,
+    ) -> Verdict {
         let (mut mounting, mut sigma) = (self.mounting, sigma);
         if let (Some(learner), Mounting::Turned(configured)) = (&mut self.learner, self.mounting) {
-            if estimate.faults.is_empty() {
+            // A head that sits askew disagrees until that is learnt.
+            let askew = |f: &ActiveFault| matches!(f.kind, FaultKind::RollDisagrees | FaultKind::PitchDisagrees);
+            if estimate.faults.iter().all(askew) {
                 learner.update(mounting.to_body(seen), &frame.aiding, frame.time);
             }
             let (learnt, of_trim) = (learner.trim(), learner.sigma());
@@ -108,18 +152,17 @@ impl Horizon {
             estimate.trim = learnt;
         }
         let body = mounting.to_body(seen);
-        let roll = self.roll_limit.map_or(body.roll, |limit| body.roll.clamp(-limit, limit));
-        estimate.attitude = Some(Attitude { roll, ..body });
+        let (limits, limit) = match self.roll_limit {
+            RollLimit::None => (false, f64::INFINITY),
+            RollLimit::BuiltIn(limit) => (seen.roll.abs() >= limit, f64::INFINITY),
+            RollLimit::Here(limit) => (body.roll.abs() >= limit, limit),
+        };
+        let roll = body.roll.clamp(-limit, limit);
+        self.last = Some((body, sigma));
+        let sigma = Attitude { roll: sigma.roll.hypot(doubt.roll), pitch: sigma.pitch.hypot(doubt.pitch) };
         // What the limit has taken away is not known any better than that.
-        estimate.sigma = Attitude { roll: sigma.roll.hypot(body.roll - roll), ..sigma };
-    }
-}
-
-/// Whether a fault withholds the attitude; a sensor's does where the method has none without it.
-fn withholds(kind: FaultKind, solved: bool) -> bool {
-    match kind {
-        FaultKind::LowContrast | FaultKind::InvertedContrast | FaultKind::Stale => true,
-        FaultKind::SensorLost(_) | FaultKind::SensorSaturated(_) | FaultKind::BusDown(_) => !solved,
+        let sigma = Attitude { roll: sigma.roll.hypot(body.roll - roll), ..sigma };
+        Verdict::Given { attitude: Attitude { roll, ..body }, sigma, limited: limits, degraded: false }
     }
 }
 

@@ -27,6 +27,7 @@ impl Encoder {
     pub fn encode(&mut self, message: &Message) -> &[u8] {
         match message {
             Message::Heartbeat(m) => self.raw.serialize_message_data(self.header, m),
+            Message::Status(m) => self.raw.serialize_message_data(self.header, m),
             Message::Attitude(m) => self.raw.serialize_message_data(self.header, m),
             Message::Value(m) => self.raw.serialize_message_data(self.header, m),
             Message::Text(m) => self.raw.serialize_message_data(self.header, m),

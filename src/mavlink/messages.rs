@@ -5,8 +5,8 @@ use crate::attitude::{Attitude, Mode};
 use crate::fault::{Evidence, FaultKind, FaultName};
 use crate::time::Time;
 use ::mavlink::dialects::common::{
-    ATTITUDE_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavSeverity, MavState, MavType, NAMED_VALUE_FLOAT_DATA,
-    STATUSTEXT_DATA,
+    ATTITUDE_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavSeverity, MavState, MavSysStatusSensor, MavType,
+    NAMED_VALUE_FLOAT_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA,
 };
 use std::fmt::{self, Write};
 
@@ -24,6 +24,8 @@ const DEGRADED_QUALITY: f64 = 0.5;
 pub enum Message {
     /// HEARTBEAT (0).
     Heartbeat(HEARTBEAT_DATA),
+    /// SYS_STATUS (1).
+    Status(SYS_STATUS_DATA),
     /// ATTITUDE (30).
     Attitude(ATTITUDE_DATA),
     /// NAMED_VALUE_FLOAT (251).
@@ -44,9 +46,30 @@ pub fn heartbeat(state: MavState) -> Message {
     })
 }
 
+/// SYS_STATUS that speaks of the attitude alone (MAV_SYS_STATUS_AHRS): it is healthy while it may be trusted.
+/// There is no battery, and of load and communication nothing is said.
+pub fn sys_status(healthy: bool) -> Message {
+    let attitude = MavSysStatusSensor::MAV_SYS_STATUS_AHRS;
+    Message::Status(SYS_STATUS_DATA {
+        onboard_control_sensors_present: attitude,
+        onboard_control_sensors_enabled: attitude,
+        onboard_control_sensors_health: if healthy { attitude } else { MavSysStatusSensor::empty() },
+        load: 0,
+        voltage_battery: u16::MAX,
+        current_battery: -1,
+        battery_remaining: -1,
+        ..SYS_STATUS_DATA::DEFAULT
+    })
+}
+
+/// Whether the attitude may be trusted in a mode.
+pub const fn healthy(mode: Mode) -> bool {
+    matches!(mode, Mode::Nominal | Mode::Degraded)
+}
+
 /// The MAV_STATE of a mode. "Calibrating and not flight-ready" while starting; active while
 /// attitude goes out, degraded or not (STATUSTEXT tells the difference); critical while it is
-/// withheld. MAV_STATE_EMERGENCY speaks of an airframe going down and is never ours to say.
+/// withheld or not measured. MAV_STATE_EMERGENCY speaks of an airframe going down and is never ours to say.
 pub const fn state(mode: Mode) -> MavState {
     match mode {
         Mode::Starting => MavState::MAV_STATE_CALIBRATING,

@@ -80,12 +80,12 @@ impl Link {
 
 /// The links that `wanted` asks for, for what comes after frame `sequence`; those of `old` whose address stays go on.
 fn link(now: Time, sequence: u64, wanted: &Wanted, mut old: Vec<Link>) -> Vec<Link> {
-    let MavlinkSettings { system_id, component_id, endpoints } = &wanted.settings;
+    let MavlinkSettings { system_id, component_id, sys_status, endpoints } = &wanted.settings;
     // Sockets that are no longer wanted are closed before others are opened.
     old.retain(|l| endpoints.iter().any(|e| e.address == *l.endpoint.address()));
     let mut links = Vec::with_capacity(endpoints.len());
     for settings in endpoints {
-        let session = Session::new(now, sequence, settings.attitude_hz);
+        let session = Session::new(now, sequence, settings.attitude_hz).with_sys_status(*sys_status);
         let kept = old.iter().position(|l| *l.endpoint.address() == settings.address).map(|i| old.swap_remove(i));
         links.push(match kept {
             Some(Link { endpoint, mut encoder, .. }) => {

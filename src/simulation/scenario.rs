@@ -68,7 +68,7 @@ impl Scenario {
     /// The scenario called `name`, one of [`LIST`].
     pub fn named(name: &str) -> Option<Self> {
         let name = LIST.iter().find(|(n, _)| *n == name)?.0;
-        let dry = sky(15.0, 40.0, 0.3);
+        let dry = grey(15.0, 40.0, 0.3);
         let mut made = Self {
             name,
             sky: dry,
@@ -85,10 +85,10 @@ impl Scenario {
             dropped: 0.0,
         };
         match name {
-            "clear-humid" => made.sky = sky(24.0, 25.0, 1.5),
+            "clear-humid" => made.sky = grey(24.0, 25.0, 1.5),
             "namibia" => made.sky = Sky::NAMIBIA,
             "durham" => made.sky = Sky::DURHAM,
-            "overcast" => made.sky = sky(12.0, 8.0, 3.0),
+            "overcast" => made.sky = grey(12.0, 8.0, 3.0),
             "into-cloud" => {
                 made.sky = Sky::NAMIBIA;
                 made.weather = into_cloud();
@@ -136,6 +136,18 @@ impl Scenario {
     /// With other instruments, or none.
     pub fn with_instruments(mut self, fitted: Option<Fitted>) -> Self {
         self.fitted = fitted;
+        self
+    }
+
+    /// Under a sky of the same shape of which a vertical pair of the usual field sees `contrast_k`.
+    pub fn with_contrast(mut self, contrast_k: f64) -> Self {
+        self.sky = sky(self.sky.ground_c, contrast_k, self.sky.shape);
+        self
+    }
+
+    /// With sensors whose noise is `noise_k` rms.
+    pub fn with_noise(mut self, noise_k: f64) -> Self {
+        self.noise_k = noise_k;
         self
     }
 
@@ -209,8 +221,12 @@ impl Scenario {
 }
 
 /// A grey atmosphere under which a vertical pair of the usual field sees `contrast_k`.
-fn sky(ground_c: f64, contrast_k: f64, depth: f64) -> Sky {
-    let shape = Shape::Grey { depth };
+fn grey(ground_c: f64, contrast_k: f64, depth: f64) -> Sky {
+    sky(ground_c, contrast_k, Shape::Grey { depth })
+}
+
+/// A sky of which a vertical pair of the usual field sees `contrast_k`.
+fn sky(ground_c: f64, contrast_k: f64, shape: Shape) -> Sky {
     let field = FieldOfView::Gaussian { fwhm_deg: FIELD_DEG };
     let share = Response::new(shape, field, Averaging::Temperature).pair_k(1.0, 0.0, 1.0);
     Sky { ground_c, sky_max_k: contrast_k / share, shape }

@@ -21,6 +21,7 @@ fn vector(_: &Settings, head: &Head) -> Pipeline {
         estimate.attitude = Some(Attitude { roll, pitch: (x / x.hypot(*y).hypot(*z)).asin() });
         estimate.sigma = Attitude::from_degrees(2.0, 0.5);
         estimate.time = frame.time;
+        estimate.valid_at = estimate.time;
         estimate.mode = Mode::Nominal;
     })
 }

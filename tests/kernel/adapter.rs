@@ -2,7 +2,7 @@
 
 use crate::rig::{require_kernel, wait_for};
 use i2cdev::core::I2CDevice;
-use i2cdev::linux::LinuxI2CDevice;
+use i2cdev::linux::{LinuxI2CDevice, LinuxI2CError};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -88,7 +88,12 @@ pub struct Chip(LinuxI2CDevice);
 impl Chip {
     /// Writes SMBus words, low byte first.
     pub fn write(&mut self, register: u8, word: u16) {
-        self.0.smbus_write_word_data(register, word).unwrap();
+        self.try_write(register, word).unwrap();
+    }
+
+    /// The same where the chip may not answer.
+    pub fn try_write(&mut self, register: u8, word: u16) -> Result<(), LinuxI2CError> {
+        self.0.smbus_write_word_data(register, word)
     }
 
     pub fn read(&mut self, register: u8) -> u16 {

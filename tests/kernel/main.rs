@@ -7,6 +7,8 @@
 //! - [`mlx`], [`adc`]: sensors that the test moves;
 //! - [`hardware`], [`lines`]: the source of frames and GPIO lines by themselves;
 //! - [`faults`]: what goes wrong on a bus, how soon it is told and over;
+//! - [`names`]: what goes wrong in flight, by which name D-Bus and MAVLink tell it; [`turning`]: the flight,
+//!   [`radio`]: who listens to MAVLink;
 //! - [`flight`], [`attitude`]: attitudes flown through; `check.py` is the listener's side of it.
 
 mod adapter;
@@ -19,5 +21,8 @@ mod flight;
 mod hardware;
 mod lines;
 mod mlx;
+mod names;
+mod radio;
 mod rig;
 mod sky;
+mod turning;

@@ -7,7 +7,7 @@ pub const GROUND_C: f64 = 16.0;
 pub const CONTRAST_K: f64 = 38.9;
 
 /// The upward vertical on the axes nose, left, up at this attitude.
-fn vertical(roll_deg: f64, pitch_deg: f64) -> [f64; 3] {
+pub fn vertical(roll_deg: f64, pitch_deg: f64) -> [f64; 3] {
     let (roll, pitch) = (roll_deg.to_radians(), pitch_deg.to_radians());
     [pitch.sin(), roll.sin() * pitch.cos(), roll.cos() * pitch.cos()]
 }

@@ -50,6 +50,14 @@ impl View {
         self.drop() + x * self.up.0 + y * self.up.1
     }
 
+    /// The row of `rows` in which the horizon lies at `x`, or the nearest to it.
+    pub fn horizon_row(&self, x: f64, rows: u16) -> u16 {
+        let y = -(self.drop() + x * self.up.0) / self.up.1;
+        // A cast saturates, and sends NaN (a horizon that stands upright) to 0.
+        let row = ((self.half.1 - y) / 4.0).floor() as u16;
+        row.min(rows.saturating_sub(1))
+    }
+
     /// The middle of a cell.
     fn middle(&self, column: u16, row: u16) -> (f64, f64) {
         (f64::from(2 * column) + 1.0 - self.half.0, self.half.1 - f64::from(4 * row) - 2.0)

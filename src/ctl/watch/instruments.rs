@@ -41,6 +41,19 @@ pub(super) fn draw(view: &View, palette: Palette, area: Rect, buf: &mut Buffer) 
     aircraft(view, palette, area, buf);
 }
 
+/// A mark at the side on which something warm stands above the horizon, `bearing_deg` clockwise from the nose, at the
+/// horizon's height there. Ahead and behind there is no side.
+pub(super) fn hint(bearing_deg: f64, view: &View, palette: Palette, area: Rect, buf: &mut Buffer) {
+    let (side, symbol, column) = match bearing_deg.to_radians().sin() {
+        s if s >= 0.5 => (1.0, '▶', area.width.saturating_sub(1)),
+        s if s <= -0.5 => (-1.0, '◀', 0),
+        _ => return,
+    };
+    let row = view.horizon_row(side * view.half.0, area.height);
+    put(symbol, Palette::RED, (column, row), view, palette, area, buf);
+    buf[(area.x + column, area.y + row)].modifier.insert(Modifier::BOLD);
+}
+
 /// Rungs each 10° with their numbers and shorter ones between, inside the bank scale. Gives where
 /// the numbers go.
 fn ladder(view: &View, radius: f64, canvas: &mut Canvas) -> Vec<((f64, f64), String)> {

@@ -21,6 +21,10 @@ pub(super) fn draw(s: &Status, palette: Palette, area: Rect, buf: &mut Buffer) {
     let mode = palette.mode(&s.mode);
     p.pair("MODE", &s.mode.to_uppercase(), palette.bold(mode));
     p.contrast(finite(s.contrast_c));
+    if let Some(hint) = s.hint {
+        let text = format!("{} K at {}°", number(hint.strength_c, 1), number(hint.bearing_deg, 0));
+        p.pair("WARM", &text, palette.text(Palette::AMBER));
+    }
     p.pair("RATE", &format!("{} Hz", number(s.rate_hz, 1)), Style::new());
     let (age, old) = match s.sample_time_usec {
         0 => ("none yet".to_owned(), true),

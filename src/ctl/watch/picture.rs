@@ -49,6 +49,12 @@ pub fn draw(seen: &Seen, palette: Palette, buf: &mut Buffer) {
                     let view = horizon::View::new(roll, pitch, scene);
                     horizon::draw(&view, palette, scene, buf);
                     instruments::draw(&view, palette, scene, buf);
+                    if let Some(hint) = s.hint {
+                        instruments::hint(hint.bearing_deg, &view, palette, scene, buf);
+                    }
+                    if s.mode == "faulted" {
+                        sign("SHOWN, NOT MEASURED", &reasons(s), palette, scene, buf);
+                    }
                 }
                 _ => withheld("ATTITUDE WITHHELD", &reasons(s), palette, scene, buf),
             }
@@ -90,6 +96,12 @@ fn withheld(title: &str, lines: &[String], palette: Palette, area: Rect, buf: &m
             buf[(area.x + column, area.y + row)].set_char(symbol).set_style(red);
         }
     }
+    sign(title, lines, palette, area, buf);
+}
+
+/// A frame in the middle with a title in red and lines below it.
+fn sign(title: &str, lines: &[String], palette: Palette, area: Rect, buf: &mut Buffer) {
+    let red = palette.pair(Palette::RED, Palette::BLACK);
     let inside = usize::from(area.width).saturating_sub(6);
     let mut text = vec![title.to_owned()];
     text.extend(lines.iter().flat_map(|l| wrap(l, inside)).take(usize::from(area.height) - 6));

@@ -15,7 +15,7 @@ const LEFT_S: f64 = 1.0;
 /// An innovation beyond this is a glitch and no scene, K.
 const GLITCH_K: f64 = 1.0;
 /// The largest scene, K.
-const LARGEST_K: f64 = 1.5;
+const LARGEST_K: f64 = 4.0;
 /// How long a scene that was unlike is thought to be so still, s.
 const LATELY_S: f64 = 120.0;
 /// In fewer dimensions a scene of its own is not seen: all may be the sky's depth.

@@ -13,24 +13,30 @@ const OUTLIER: f64 = 20.0;
 const MISFIT_S: f64 = 0.5;
 /// So many times the expected misfit and the filter is lost; with a gyro, that is what is wrong.
 const LOST: f64 = 400.0;
-const GYRO_WRONG: f64 = 5.0;
+const GYRO_WRONG: f64 = 3.3;
 /// Over this time the attitude is compared with what the thermopiles alone say, s.
 const APART_S: f64 = 0.7;
 /// An attitude farther from them is wrong: rad (8°), or K where the contrast is low.
 const APART: (f64, f64) = (0.14, 4.0);
+/// So many times as far where warm sides are left out: as much as they may hide.
+const WARM: f64 = 1.5;
 
 /// How well the readings fit.
 #[derive(Clone, Copy, Debug)]
 pub struct Misfit {
     /// The innovations' squares over their variances, averaged: 1 where all is as it should be.
     squared: f64,
+    /// The same without the worst of each frame: what one sensor does says nothing against the gyro.
+    others: f64,
     /// How far the thermopiles alone put the attitude from the filter's, averaged, rad.
     apart: [f64; 2],
+    /// The same of a sky that is alike all around.
+    apart_from_even: [f64; 2],
 }
 
 impl Default for Misfit {
     fn default() -> Self {
-        Self { squared: 1.0, apart: [0.0; 2] }
+        Self { squared: 1.0, others: 1.0, apart: [0.0; 2], apart_from_even: [0.0; 2] }
     }
 }
 
@@ -43,7 +49,9 @@ impl Misfit {
     /// Whether to begin anew, at this contrast, with a gyro or without: no scene can be so far off.
     pub fn is_lost(self, contrast_k: f64, gyro: bool) -> bool {
         let limit = APART.0.max(APART.1 / contrast_k.abs().max(1.0));
-        self.squared > if gyro { GYRO_WRONG } else { LOST } || self.apart[0].hypot(self.apart[1]) > limit
+        self.others > if gyro { GYRO_WRONG } else { LOST }
+            || self.apart[0].hypot(self.apart[1]) > limit
+            || self.apart_from_even[0].hypot(self.apart_from_even[1]) > WARM * limit
     }
 }
 
@@ -63,20 +71,24 @@ impl FieldEstimator {
     /// Takes in the readings, one after the other.
     pub(super) fn correct(&mut self, readings: &[Option<f64>; MAX_SENSORS], dt_s: f64) {
         let noise = self.tuning.noise_k * self.tuning.noise_k;
-        let (mut misfit, mut count) = (0.0, 0.0);
+        let (mut misfit, mut worst, mut count) = (0.0, 0.0_f64, 0.0);
         for (i, reading) in readings.iter().enumerate().take(self.model.sensors()) {
             let Some(reading) = reading else { continue };
             let innovation = reading - self.state.x[SEEN + i];
             let predicted = self.state.p[SEEN + i][SEEN + i];
             let squared = innovation * innovation;
-            misfit += squared / (predicted + noise);
+            let relative = squared / (predicted + noise);
+            misfit += relative;
+            worst = worst.max(relative);
             count += 1.0;
             let variance = noise.max(squared / (GATE * GATE) - predicted);
             self.state.correct_one(SEEN + i, innovation, variance);
         }
         self.state.settle();
-        if count > 0.0 {
-            self.misfit.squared += -(-dt_s / MISFIT_S).exp_m1() * (misfit / count - self.misfit.squared);
+        if count > 1.0 {
+            let share = -(-dt_s / MISFIT_S).exp_m1();
+            self.misfit.squared += share * (misfit / count - self.misfit.squared);
+            self.misfit.others += share * ((misfit - worst) / (count - 1.0) - self.misfit.others);
         }
     }
 
@@ -98,9 +110,17 @@ impl FieldEstimator {
         let alone = readings.iter().zip(&self.state.plain).map(|(r, p)| r.map_or(0.0, |r| r - p));
         let mut pattern = Pattern::default();
         pattern.iter_mut().zip(alone).for_each(|(p, a)| *p = a);
+        // A warm side that is believed in must not hide an attitude that is off.
+        let mut even = pattern;
+        for (even, seen) in even.iter_mut().zip(&seen) {
+            *even += seen.as_ref().map_or(0.0, |s| s.by_side.iter().zip(sky.side_k).map(|(b, k)| b * k).sum::<f64>());
+        }
         let share = -(-dt_s / APART_S).exp_m1();
-        for (apart, now) in self.misfit.apart.iter_mut().zip(directions.turned(&pattern)) {
-            *apart += share * (now - *apart);
+        let misfit = &mut self.misfit;
+        for (apart, pattern) in [(&mut misfit.apart, &pattern), (&mut misfit.apart_from_even, &even)] {
+            for (apart, now) in apart.iter_mut().zip(directions.turned(pattern)) {
+                *apart += share * (now - *apart);
+            }
         }
         if !self.gyro.in_use() {
             for (rate, direction) in self.rates.iter_mut().zip(&directions.turn) {

@@ -10,10 +10,16 @@ use crate::estimator::vector::cross;
 const UNLIKE: (f64, f64) = (0.1, 0.5);
 /// A warm side found so many times larger than it was expected was expected wrongly.
 const UNEXPECTED: f64 = 3.0;
+/// Turns by so much in all, rad, show all sides.
+const LOOKED_AROUND: f64 = 3.5;
 
 impl FieldEstimator {
     /// What was learnt while the scene was thought to be alike all around is in doubt once it is not.
     pub(super) fn doubt(&mut self) {
+        // What one sensor does is no scene.
+        if self.witnesses.undecided() {
+            return;
+        }
         let (unlike, t, gyro) = (self.scene.unlike(), &self.tuning, self.gyro.in_use());
         let side_k2: f64 = self.state.x[SIDE..SIDE + 4].iter().map(|k| k * k).sum();
         let found = gyro && !self.sided && side_k2 > (UNEXPECTED * t.side.0).powi(2);
@@ -22,7 +28,9 @@ impl FieldEstimator {
         }
         if found || unlike > UNLIKE.1 && !self.unlike {
             self.unlike |= unlike > UNLIKE.1;
-            let first = gyro && !self.sided;
+            // An aircraft that has looked all around has seen what side was warmer: what is found then is new, and
+            // was never taken for an attitude.
+            let first = gyro && !self.sided && self.turned < LOOKED_AROUND;
             self.sided |= gyro;
             let s = &mut self.state;
             let share = if gyro { 1.0 } else { 0.0 };

@@ -16,6 +16,7 @@ mod aid;
 mod correct;
 mod doubt;
 mod gyro;
+mod hint;
 mod model;
 mod output;
 mod predict;
@@ -23,11 +24,15 @@ mod start;
 mod state;
 mod stuck;
 mod tuning;
+mod witness;
 
 pub use state::MAX_SENSORS;
 pub use tuning::Tuning;
 
-use super::{Estimator, Solution};
+use super::contrast_vector::ContrastSolver;
+use super::sides::{Sides, TELLING_K};
+use super::vector::{add_scaled, dot, length};
+use super::{Estimator, Hearing, Solution, Standing};
 use crate::attitude::Attitude;
 use crate::frame::Frame;
 use crate::head::Head;
@@ -39,15 +44,20 @@ use correct::Misfit;
 use gyro::Gyro;
 use model::Model;
 use output::{attitude, guard};
-use predict::{Pace, predict};
+use predict::{Pace, predict, scene};
 use start::start;
 use state::{CONTRAST, DEPTH, GROUND, LAG, OFFSET, RADIANCE, RATE, SEEN, SIDE, State, TURN};
 use stuck::Stuck;
+use witness::{Known, Witnesses};
 
 /// A frame later than this after the last begins anew, s.
 const GAP_S: f64 = 2.0;
 /// Without enough sensors the attitude is carried so long, s: by a motion model, by a gyro.
 const CARRIED_S: (f64, f64) = (0.1, 1.0);
+/// After so long without a contrast to see by the filter begins anew when it is back, s.
+const BLIND_S: f64 = 0.3;
+/// So long a sensor is taken to be the cause of what does not fit, s.
+const UNDECIDED_S: f64 = 5.0;
 /// A level pair's slope, as a share of the contrast for a radian.
 const PAIR_SLOPE: f64 = 1.1;
 
@@ -62,6 +72,17 @@ pub struct FieldEstimator {
     last: Option<(Time, Time)>,
     stamps: [Option<Time>; MAX_SENSORS],
     stuck: [Stuck; MAX_SENSORS],
+    is_stuck: [bool; MAX_SENSORS],
+    witnesses: Witnesses,
+    /// The pairs of the head, solved in each frame by themselves.
+    pairs: ContrastSolver,
+    head: Head,
+    sides: Sides,
+    seen_k: f64,
+    /// Since when there is no contrast to see by, or one that is upside down; whether that has lasted.
+    blind_since: Option<Time>,
+    blind: bool,
+    undecided_since: Option<Time>,
     gyro: Gyro,
     aid: Aid,
     /// Body rates about the nose, and across it.
@@ -73,6 +94,8 @@ pub struct FieldEstimator {
     unlike: bool,
     /// A warm side has been found to be larger than expected.
     sided: bool,
+    /// How far it has turned about the vertical since it began, rad.
+    turned: f64,
 }
 
 impl FieldEstimator {
@@ -82,6 +105,15 @@ impl FieldEstimator {
         let model = Model::new(head, field);
         Self {
             state: State::new(model.sensors()),
+            is_stuck: [false; MAX_SENSORS],
+            witnesses: Witnesses::new(model.sensors()),
+            pairs: ContrastSolver::new(head),
+            head: head.clone(),
+            sides: Sides::default(),
+            seen_k: 0.0,
+            blind_since: None,
+            blind: false,
+            undecided_since: None,
             model,
             tuning,
             last: None,
@@ -95,6 +127,7 @@ impl FieldEstimator {
             misfit: Misfit::default(),
             unlike: false,
             sided: false,
+            turned: 0.0,
         }
     }
 
@@ -103,9 +136,9 @@ impl FieldEstimator {
         self.scene.variance().sqrt()
     }
 
-    /// How many readings a frame needs.
-    fn needed(&self) -> usize {
-        if self.model.is_absolute() { 5 } else { 3 }
+    /// How many readings a frame needs to begin with; to go on with, where the sky is known.
+    fn needed(&self) -> (usize, usize) {
+        if self.model.is_absolute() { (5, 4) } else { (3, 3) }
     }
 
     /// The readings of `frame` that are newer than the last of their sensor, and the newest stamp.
@@ -126,7 +159,8 @@ impl FieldEstimator {
             self.stuck[i].update(value, self.state.plain[i], time);
             Some(value)
         });
-        for (reading, stuck) in readings.iter_mut().zip(Stuck::among(&self.stuck)) {
+        self.is_stuck = Stuck::among(&self.stuck);
+        for (reading, stuck) in readings.iter_mut().zip(self.is_stuck) {
             *reading = reading.filter(|_| !stuck);
         }
         (readings, newest)
@@ -135,7 +169,7 @@ impl FieldEstimator {
     /// Begins with what one frame says; `false` where that is not enough.
     fn begin(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) -> bool {
         let t = self.tuning;
-        let Some(start) = start(&self.model, readings, self.needed(), &t) else {
+        let Some(start) = start(&self.model, readings, self.needed().0, &t) else {
             return false;
         };
         self.last = Some((now, now));
@@ -190,8 +224,40 @@ impl FieldEstimator {
             s.set_variance(i, if gyro { t.side.0.powi(2) } else { 0.0 });
         }
         self.sided = false;
+        self.turned = 0.0;
         s.x[LAG] = 0.0;
         s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });
+    }
+
+    /// Whether the witnesses are about to decide on a sensor; they are given a while.
+    fn undecided(&mut self, now: Time) -> bool {
+        if self.witnesses.undecided() {
+            now.since(*self.undecided_since.get_or_insert(now)) < UNDECIDED_S
+        } else {
+            self.undecided_since = None;
+            false
+        }
+    }
+
+    /// Leaves out what the witnesses do not believe.
+    fn consult(&mut self, readings: &mut [Option<f64>; MAX_SENSORS], pace: &Pace, dt_s: f64) {
+        let s = &self.state;
+        let bias = [s.x[RATE], s.x[RATE + 1], s.x[RATE + 2]];
+        let known = Known {
+            axes: s.axes,
+            sky: scene(s),
+            pace,
+            gyro: self.gyro.rates().map(|rates| add_scaled(rates, 1.0, bias)),
+            lag_s: self.tuning.lag_s * s.x[LAG].clamp(-2.0, 2.0).exp(),
+        };
+        if self.blind {
+            self.witnesses.restart();
+        } else if self.model.is_absolute() {
+            self.witnesses.update(&self.model, &self.tuning, &known, readings, dt_s);
+        }
+        for (i, reading) in readings.iter_mut().enumerate() {
+            *reading = reading.filter(|_| self.witnesses.standing(i) == Standing::Heard);
+        }
     }
 
     fn solution(&self) -> Solution {
@@ -201,11 +267,11 @@ impl FieldEstimator {
         let t = &self.tuning;
         let (least_k, most_k) = if self.gyro.in_use() {
             let side_k = self.scene.unlike() * t.unlike_side_k.1;
-            (side_k, side_k)
+            (side_k, side_k.max(self.scene.unlike() * t.hidden.1 * self.scene.seen_k()))
         } else {
             let lately = self.scene.lately_unlike();
             let side_k = lately * t.unlike_side_k.0;
-            (side_k, side_k.max(lately * t.hidden * self.scene.seen_k()))
+            (side_k, side_k.max(lately * t.hidden.0 * self.scene.seen_k()))
         };
         let poor = self.misfit.excess();
         let doubted = |side_k: f64| {
@@ -217,7 +283,42 @@ impl FieldEstimator {
         let (guarded, sigma) = (doubted(least_k), doubted(most_k));
         attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);
         attitude.pitch = guard(attitude.pitch, guarded.pitch, std::f64::consts::FRAC_PI_2);
-        Solution { attitude: Some(attitude), sigma, contrast_k: Some(contrast_k), seen_k: Some([0.0, 0.0, contrast_k]) }
+        Solution {
+            attitude: Some(attitude),
+            sigma,
+            contrast_k: Some(contrast_k),
+            seen_k: Some([0.0, 0.0, self.seen_k]),
+            sensors: std::array::from_fn(|i| self.hearing(i)),
+            hidden: Some(2.0 * t.hidden.0 * self.scene.seen_k() / (PAIR_SLOPE * contrast_k.abs().max(1.0))),
+            hint: self.hint(),
+        }
+    }
+
+    fn hearing(&self, i: usize) -> Hearing {
+        let (expected_k, apart_k) = self.witnesses.of(i);
+        let standing = if self.is_stuck[i] { Standing::Stuck } else { self.witnesses.standing(i) };
+        let residual_k = if standing == Standing::Heard { self.residual_k(i) } else { apart_k };
+        Hearing { standing, expected_k, residual_k }
+    }
+
+    /// The contrast that this frame alone shows, K; below 0 where ground and sky look exchanged.
+    fn look(&mut self, frame: &Frame, now: Time) {
+        let all_heard = (0..self.model.sensors()).all(|i| self.hearing(i).standing == Standing::Heard);
+        let alone = self.pairs.solve(&self.head, frame).filter(|_| all_heard);
+        let seen = alone.unwrap_or_else(|| self.state.vertical().map(|c| c * self.state.x[CONTRAST]));
+        let sign = self.sides.sign(seen, now);
+        self.seen_k = sign * length(seen);
+        let upright = sign > 0.0 && length(seen) > TELLING_K;
+        // Out of a contrast of nothing ground, sky and attitude may come all upside down.
+        let mirrored = alone.is_some() && upright && dot(seen, self.state.vertical()) < 0.0;
+        if self.blind && upright && length(seen) > 2.0 * TELLING_K {
+            // What was made of nothing is nothing to go on with.
+            (self.blind, self.blind_since, self.last) = (false, None, None);
+        } else if upright && !mirrored {
+            self.blind_since = None;
+        } else if now.since(*self.blind_since.get_or_insert(now)) > BLIND_S {
+            self.blind = true;
+        }
     }
 }
 
@@ -246,18 +347,21 @@ impl Estimator for FieldEstimator {
         if self.gyro.update(&frame.aiding, now, dt_s) {
             self.set_rates();
         }
-        let lost = self.misfit.is_lost(self.state.x[CONTRAST], self.gyro.in_use());
+        // What one sensor does must not be taken for the attitude, or for the gyro.
+        let lost = self.misfit.is_lost(self.state.x[CONTRAST], self.gyro.in_use()) && !self.undecided(now);
         if lost {
             self.gyro.distrust();
         }
         if lost || !(0.0..GAP_S).contains(&dt_s) || !self.state.is_sound() {
             let begun = self.begin(&readings, now);
-            if !begun {
+            if begun {
+                self.look(frame, now);
+            } else {
                 self.last = None;
             }
             return if begun { self.solution() } else { Solution::default() };
         }
-        let enough = readings.iter().flatten().count() >= self.needed();
+        let enough = readings.iter().flatten().count() >= self.needed().1;
         let (_, full) = self.last.unwrap_or((now, now));
         let full = if enough { now } else { full };
         self.last = Some((now, full));
@@ -270,11 +374,14 @@ impl Estimator for FieldEstimator {
                 unlike: self.scene.unlike(),
             };
             predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
+            self.turned += dt_s * self.gyro.rates().map_or(0.0, |r| dot(r, self.state.vertical()).abs());
+            self.consult(&mut readings, &pace, dt_s);
             self.leave_out(&mut readings);
             self.learn(&readings, dt_s);
             self.doubt();
         }
         self.correct(&readings, dt_s);
+        self.look(frame, now);
         self.aid.update(&frame.aiding, &mut self.state, &self.tuning, (now, dt_s), self.gyro.rates());
         let carried_s = if self.gyro.in_use() { CARRIED_S.1 } else { CARRIED_S.0 };
         if now.since(full) > carried_s { Solution::default() } else { self.solution() }

@@ -2,7 +2,7 @@
 
 use super::state::MAX_SENSORS;
 use crate::estimator::vector::{Vector, add_scaled, cross, dot};
-use crate::frame::{Frame, Value};
+use crate::frame::Frame;
 use crate::head::{Head, SensorKind};
 use crate::sky::family::{Level, RADIANCE_K};
 use crate::sky::{Family, FieldOfView};
@@ -84,12 +84,7 @@ impl Model {
     /// The reading of sensor `i` in K or °C, and its stamp.
     pub fn reading(&self, i: usize, frame: &Frame) -> Option<(f64, Time)> {
         let sample = frame.readings.get(i)?.ok()?;
-        let value = match (sample.value, self.channels.get(i)?.kind) {
-            (Value::Absolute { object_c, .. }, SensorKind::Absolute) => object_c,
-            (Value::Volts(v), SensorKind::Pair { neutral_v, kelvin_per_v }) => (v - neutral_v) * kelvin_per_v,
-            _ => return None,
-        };
-        (value.abs() < 1000.0).then_some((value, sample.time))
+        Some((self.channels.get(i)?.kind.kelvin(sample.value)?, sample.time))
     }
 
     /// What sensor `i` shows at rest with these level axes (rows: north, west, up on the body).

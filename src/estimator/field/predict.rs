@@ -99,7 +99,7 @@ fn add_noise(state: &mut State, sensors: usize, t: &Tuning, dt_s: f64, gyro: boo
             add(RATE + i, (pace.rate[i] * t.rate_sigma[i]).powi(2) * lost.0);
         }
     }
-    add(GROUND, t.ground_walk.powi(2) * dt_s);
+    add(GROUND, (pace.contrast.max(1.0) * t.ground_walk).powi(2) * dt_s);
     let contrast = pace.contrast * t.contrast.0 * state.x[CONTRAST].abs().max(1.0);
     add(CONTRAST, contrast * contrast * dt_s);
     add(DEPTH, t.depth.2.powi(2) * dt_s);

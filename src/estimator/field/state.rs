@@ -92,7 +92,7 @@ impl State {
             *v = h.iter().map(|(k, c)| self.p[i][*k] * c).sum();
         }
         let s = h.iter().map(|(k, c)| ph[*k] * c).sum::<f64>() + variance;
-        self.gain(&ph, s, innovation);
+        gain(&mut self.x, &mut self.p, n, &ph, s, innovation);
     }
 
     /// The variance of `h·x`.
@@ -102,22 +102,8 @@ impl State {
 
     /// Takes in a measurement of state `i` itself.
     pub fn correct_one(&mut self, i: usize, innovation: f64, variance: f64) {
-        let ph = self.p[i];
-        self.gain(&ph, ph[i] + variance, innovation);
-    }
-
-    fn gain(&mut self, ph: &[f64; MAX], s: f64, innovation: f64) {
-        let n = self.size();
-        let inverse = 1.0 / s;
-        for i in 0..n {
-            let k = ph[i] * inverse;
-            self.x[i] += k * innovation;
-            if k != 0.0 {
-                for (p, h) in self.p[i][..n].iter_mut().zip(&ph[..n]) {
-                    *p -= k * h;
-                }
-            }
-        }
+        let (ph, n) = (self.p[i], self.size());
+        gain(&mut self.x, &mut self.p, n, &ph, ph[i] + variance, innovation);
     }
 
     /// Turns the body by `turn`, rad: the axes go the other way.
@@ -161,5 +147,19 @@ impl State {
         let n = self.size();
         self.x[..n].iter().all(|v| v.is_finite())
             && (0..n).all(|i| self.p[i][i] >= 0.0 && self.p[i][..n].iter().all(|v| v.is_finite()))
+    }
+}
+
+/// Takes an innovation of variance `s` into the first `n` states; `ph` is their covariance with it.
+pub fn gain<const M: usize>(x: &mut [f64; M], p: &mut [[f64; M]; M], n: usize, ph: &[f64; M], s: f64, innovation: f64) {
+    let inverse = 1.0 / s;
+    for i in 0..n {
+        let k = ph[i] * inverse;
+        x[i] += k * innovation;
+        if k != 0.0 {
+            for (p, h) in p[i][..n].iter_mut().zip(&ph[..n]) {
+                *p -= k * h;
+            }
+        }
     }
 }

@@ -44,7 +44,7 @@ pub struct Tuning {
     /// states know of it.
     pub unlike_side_k: (f64, f64),
     /// Without a gyro a strong scene hides as much in what looks like an attitude: so many times itself.
-    pub hidden: f64,
+    pub hidden: (f64, f64),
     /// A sensor's own scene at first (for a contrast of 35 K), and its least size.
     pub scene: (f64, f64),
     /// How long a scene lasts at rest; the angle that turns it into another, with a gyro and without.
@@ -86,7 +86,7 @@ impl Default for Tuning {
             unlike_side: 1.2,
             unlike_turn: deg(0.3),
             unlike_side_k: (1.35, 0.25),
-            hidden: 3.5,
+            hidden: (3.5, 2.0),
             scene: (0.15, 0.012),
             scene_time_s: 60.0,
             scene_angle: (0.8, 3.0),

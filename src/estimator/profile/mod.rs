@@ -15,29 +15,19 @@ pub mod solve;
 
 use super::contrast_vector::contrast_vector;
 use super::noise::PAIR_NOISE_K;
-use super::vector::{Vector, dot};
+use super::sides::Sides;
+use super::vector::Vector;
 use super::{Estimator, Solution};
 use crate::attitude::Attitude;
 use crate::direction::Direction;
 use crate::frame::Frame;
 use crate::head::Head;
 use crate::sky::PairCurve;
-use crate::time::Time;
 use range::AdaptiveRange;
 use solve::{Scaled, Solved, Solver};
 
-/// Seconds for which a vertical tells which side is up; after that, upright is assumed.
-const REMEMBERED_S: f64 = 1.0;
-
-/// The contrast below which a vertical is too noisy to tell which side is up, K.
-const TELLING_K: f64 = 10.0 * PAIR_NOISE_K;
-
 /// A contrast up to so many times the range is believed; above it the range, so widened, scales the angles.
 const BELIEVED: f64 = 1.1;
-
-/// Past this `u_up`, a sky warmer than the ground seen from an aircraft on its back is believed to
-/// be neither.
-const ON_ITS_BACK: f64 = -0.5;
 
 /// The cosine of pitch below which the standard deviation of roll grows no more.
 const LEAST_ACROSS: f64 = 0.05;
@@ -53,8 +43,7 @@ pub struct ProfileEstimator {
     solver: Option<Solver>,
     signals: Vec<Option<f64>>,
     range: AdaptiveRange,
-    /// The last vertical that told which side is up.
-    last: Option<(Vector, Time)>,
+    sides: Sides,
     /// Ground and sky looked exchanged in the last frame.
     exchanged: bool,
     residual: Option<f64>,
@@ -71,7 +60,7 @@ impl ProfileEstimator {
             signals: vec![None; directions.len()],
             head,
             range: AdaptiveRange::new(range_time_constant_s),
-            last: None,
+            sides: Sides::default(),
             exchanged: false,
             residual: None,
         }
@@ -87,15 +76,6 @@ impl ProfileEstimator {
     /// The range, below 0 while ground and sky look exchanged, K.
     fn contrast_k(&self) -> Option<f64> {
         self.range.value().map(|range| if self.exchanged { -range } else { range })
-    }
-
-    /// Whether ground and sky look exchanged: −1, else 1. The side up that is nearer to the last
-    /// one seen; upright where there is none.
-    fn sign(&self, solved: Vector, time: Time) -> f64 {
-        let remembered = self.last.filter(|(_, at)| time.since(*at).abs() < REMEMBERED_S);
-        let before = remembered.map_or(Direction::UP.components(), |(vertical, _)| vertical);
-        // Exchanged and on its back: neither, rather than both.
-        if dot(solved, before) >= 0.0 || -solved[2] < ON_ITS_BACK { 1.0 } else { -1.0 }
     }
 
     /// The attitude, and its standard deviation, of what `solved` says with ground and sky as `sign`
@@ -140,7 +120,7 @@ impl Estimator for ProfileEstimator {
             let seen_k = contrast_vector(&self.head, frame);
             return Solution { contrast_k: self.contrast_k(), seen_k, ..Solution::default() };
         };
-        let sign = self.sign(solved.vertical, time);
+        let sign = self.sides.sign(solved.vertical.map(|c| solved.contrast_k * c), time);
         let range = self.range.update(solved.contrast_k, time).map(|r| BELIEVED * r);
         let doubted = range.filter(|r| solved.contrast_k > *r);
         let scaled = doubted.and_then(|r| solver.with_contrast(&self.signals, r));
@@ -148,14 +128,12 @@ impl Estimator for ProfileEstimator {
         let (attitude, sigma) = self.attitude(solver, &solved, scaled.as_ref(), sign);
         self.residual = ranged.map(|r| r.length - 1.0);
         self.exchanged = sign < 0.0;
-        if solved.contrast_k > TELLING_K {
-            self.last = Some((solved.vertical.map(|c| sign * c), time));
-        }
         Solution {
             attitude: Some(attitude),
             sigma,
             contrast_k: self.contrast_k(),
             seen_k: Some([0.0, 0.0, sign * solved.contrast_k]),
+            ..Solution::default()
         }
     }
 }

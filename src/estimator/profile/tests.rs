@@ -1,8 +1,10 @@
 use super::*;
+use crate::estimator::vector::dot;
 use crate::frame::{Missing, Sample, Value};
 use crate::head::{Sensor, SensorKind};
 use crate::simulation::noise::Noise;
 use crate::sky::{Averaging, FieldOfView, Response, Sky};
+use crate::time::Time;
 use proptest::prelude::*;
 use std::sync::OnceLock;
 
@@ -223,7 +225,8 @@ fn noise_stays_within_two_standard_deviations_19_times_out_of_20() {
         let (mut inside, count) = ((0, 0), 2000);
         for _ in 0..count {
             let mut f = Flight::new(&ORTHOGONAL, usual());
-            f.method.last = Some((Attitude::from_degrees(roll, pitch).vertical(), Time::from_secs_f64(99.99)));
+            let up = Attitude::from_degrees(roll, pitch).vertical();
+            f.method.sides = Sides::knowing(up, Time::from_secs_f64(99.99));
             let mut m = signals(&ORTHOGONAL, usual(), Attitude::from_degrees(roll, pitch).vertical(), 20.0);
             m.iter_mut().flatten().for_each(|m| *m += 0.08 * 2.0_f64.sqrt() * noise.normal());
             let s = f.hear(&m, 0.0);

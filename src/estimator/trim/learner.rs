@@ -1,8 +1,8 @@
 //! The learner: differences from the references, averaged over minutes, and the trim that follows.
 
 use super::prior::Prior;
-use super::references::{Angle, References};
 use crate::attitude::Attitude;
+use crate::estimator::references::{Angle, References};
 use crate::frame::Aiding;
 use crate::time::Time;
 

@@ -1,6 +1,5 @@
 //! How the head sits on the airframe, learnt in flight from slow references. Pure: time comes with the frame.
 //!
-//! - [`references`]: what GPS and airspeed say: the bank of a coordinated turn, the angle of climb;
 //! - [`prior`]: how much of a difference is the mounting's, and how much no more than the angle of attack;
 //! - [`learner`]: the differences averaged over minutes, and the trim that follows, never by a step.
 //!
@@ -9,7 +8,6 @@
 
 pub mod learner;
 pub mod prior;
-pub mod references;
 
 pub use learner::Learner;
 

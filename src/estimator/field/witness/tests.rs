@@ -1,0 +1,175 @@
+//! Sensors that tell of one sky, and some that do not.
+
+use super::*;
+use crate::attitude::Attitude;
+use crate::estimator::vector::{cross, unit};
+use crate::head::Head;
+use crate::simulation::noise::Noise;
+use crate::sky::FieldOfView;
+use std::f64::consts::TAU;
+
+const SKY: Scene = Scene { ground_c: 15.0, contrast_k: 35.0, ln_depth: -1.2, radiance: 0.5, side_k: [0.0; 4] };
+const NOISE_K: f64 = 0.08;
+const PACE: Pace = Pace { rate: [1.0; 3], contrast: 1.0, scene_k2: 0.0225, unlike: 0.0 };
+
+type Readings = [Option<f64>; MAX_SENSORS];
+
+/// The level axes of a flight that swings from side to side with its nose to the north.
+fn axes(time_s: f64) -> [Vector; 3] {
+    let (roll, pitch) = (25.0 * (TAU * time_s / 5.0).sin(), 8.0 * (TAU * time_s / 3.1).sin());
+    let up = Attitude::from_degrees(roll, pitch).vertical();
+    let north = unit(add_scaled([1.0, 0.0, 0.0], -up[0], up)).unwrap();
+    [north, cross(up, north), up]
+}
+
+/// The body's rates: what is fixed in the world goes by a × ω, and a × (a × ω) of three axes is −2ω.
+fn rates(time_s: f64) -> Vector {
+    let h = 1e-4;
+    let (now, before, after) = (axes(time_s), axes(time_s - h), axes(time_s + h));
+    (0..3).fold([0.0; 3], |sum, i| {
+        let slope: Vector = std::array::from_fn(|k| (after[i][k] - before[i][k]) / (2.0 * h));
+        add_scaled(sum, -0.5, cross(now[i], slope))
+    })
+}
+
+struct Court {
+    model: Model,
+    witnesses: Witnesses,
+    noise: Noise,
+    gyro: bool,
+    scan: u32,
+}
+
+impl Court {
+    fn new(head: &Head, gyro: bool) -> Self {
+        let model = Model::new(head, FieldOfView::Gaussian { fwhm_deg: 90.0 });
+        let witnesses = Witnesses::new(model.sensors());
+        Self { model, witnesses, noise: Noise::new(17), gyro, scan: 0 }
+    }
+
+    /// Of the first `count` of six sensors.
+    fn of(count: usize, gyro: bool) -> Self {
+        let mut sensors = Head::six().sensors;
+        sensors.truncate(count);
+        Self::new(&Head::new(sensors, vec![]), gyro)
+    }
+
+    fn due_k(&self, i: usize) -> f64 {
+        self.model.seen(i, &axes(f64::from(self.scan) * 0.02), &SKY).value
+    }
+
+    /// So many seconds of readings that `spoil` changes; which sensors were left out meanwhile.
+    fn hear(&mut self, seconds: f64, spoil: impl Fn(&mut Readings)) -> Vec<usize> {
+        let mut out = [false; MAX_SENSORS];
+        for _ in 0..(seconds * 50.0).round() as u32 {
+            self.scan += 1;
+            let time_s = f64::from(self.scan) * 0.02;
+            let mut readings = Readings::default();
+            for (i, reading) in readings.iter_mut().enumerate().take(self.model.sensors()) {
+                *reading = Some(self.due_k(i) + NOISE_K * self.noise.normal());
+            }
+            spoil(&mut readings);
+            let gyro = self.gyro.then(|| rates(time_s - 0.01));
+            let known = Known { axes: axes(time_s), sky: SKY, pace: &PACE, gyro, lag_s: 0.0 };
+            self.witnesses.update(&self.model, &Tuning::default(), &known, &readings, 0.02);
+            for (i, out) in out.iter_mut().enumerate() {
+                *out |= self.witnesses.standing(i) == Standing::LeftOut;
+            }
+        }
+        (0..MAX_SENSORS).filter(|i| out[*i]).collect()
+    }
+}
+
+/// These sensors show so much more.
+fn off(which: &[usize], by_k: f64) -> impl Fn(&mut Readings) {
+    let which = which.to_vec();
+    move |readings| which.iter().for_each(|i| readings[*i] = readings[*i].map(|k| k + by_k))
+}
+
+#[test]
+fn while_all_tell_of_one_sky_all_are_heard() {
+    for gyro in [false, true] {
+        let mut court = Court::of(6, gyro);
+        assert_eq!(court.hear(60.0, |_| {}), [0; 0]);
+        // A scene that is a little unlike: not worth a sensor.
+        assert_eq!(court.hear(30.0, off(&[1], 0.5)), [0; 0]);
+        assert!((0..6).all(|i| court.witnesses.standing(i) == Standing::Heard));
+    }
+}
+
+#[test]
+fn one_that_goes_its_own_way_is_left_out_alone_and_told_what_it_should_show() {
+    for gyro in [false, true] {
+        for (sensor, by_k) in [(0, 8.0), (1, -8.0), (2, 12.0), (3, -8.0), (4, 15.0), (5, -10.0)] {
+            let mut court = Court::of(6, gyro);
+            assert_eq!(court.hear(10.0, |_| {}), [0; 0]);
+            let what = format!("sensor {sensor} by {by_k} K, gyro {gyro}");
+            assert_eq!(court.hear(10.0, off(&[sensor], by_k)), [sensor], "{what}");
+            let (Some(expected_k), Some(residual_k)) = court.witnesses.of(sensor) else { panic!("{what}") };
+            let due_k = court.due_k(sensor);
+            assert!((expected_k - due_k).abs() < 3.0, "{what}: {expected_k} K is not {due_k} K");
+            assert!((residual_k - by_k).abs() < 3.0, "{what}: {residual_k} K");
+            // In accord again for long: heard again, if that could be seen. What looks at the ground hardly changes.
+            court.hear(20.0, |_| {});
+            assert!(sensor == 5 || court.witnesses.standing(sensor) == Standing::Heard, "{what}");
+        }
+    }
+}
+
+#[test]
+fn too_few_witnesses_convict_nobody() {
+    for (count, gyro) in [(3, true), (4, true), (4, false), (5, false)] {
+        let mut court = Court::of(count, gyro);
+        court.hear(10.0, |_| {});
+        assert_eq!(court.hear(20.0, off(&[1], 12.0)), [0; 0], "{count} sensors, gyro {gyro}");
+    }
+}
+
+#[test]
+fn a_sky_that_changes_for_all_is_no_sensors_matter() {
+    for gyro in [false, true] {
+        let mut court = Court::of(6, gyro);
+        court.hear(10.0, |_| {});
+        assert_eq!(court.hear(10.0, off(&[0, 1, 2, 3, 4, 5], 6.0)), [0; 0], "gyro {gyro}");
+    }
+}
+
+#[test]
+fn what_is_no_number_begins_anew_and_convicts_nobody() {
+    for bad in [f64::NAN, f64::INFINITY, 1e308] {
+        let mut court = Court::of(6, true);
+        court.hear(5.0, |_| {});
+        assert_eq!(court.hear(0.2, |r| r[2] = Some(bad)), [0; 0], "{bad}");
+        assert_eq!(court.hear(20.0, |_| {}), [0; 0], "{bad}");
+        assert!((0..6).all(|i| court.witnesses.standing(i) == Standing::Heard), "{bad}");
+        // And goes on to see.
+        assert_eq!(court.hear(10.0, off(&[3], 10.0)), [3], "{bad}");
+    }
+}
+
+#[test]
+fn without_readings_without_sensors_and_with_gaps_nothing_is_decided() {
+    for count in [0, 1, 6] {
+        let mut court = Court::of(count, false);
+        assert_eq!(court.hear(5.0, |r| *r = Readings::default()), [0; 0]);
+        let known = Known { axes: axes(0.0), sky: SKY, pace: &PACE, gyro: None, lag_s: 0.0 };
+        for dt_s in [0.0, -1.0, 5.0, f64::NAN, f64::INFINITY] {
+            court.witnesses.update(&court.model, &Tuning::default(), &known, &[Some(3.0); MAX_SENSORS], dt_s);
+        }
+        assert!((0..MAX_SENSORS).all(|i| court.witnesses.standing(i) == Standing::Heard));
+    }
+}
+
+#[test]
+fn two_that_look_apart_and_are_off_alike_convict_no_third() {
+    for gyro in [false, true] {
+        for pair in [[0, 1], [2, 3], [4, 5]] {
+            for by_k in [8.0, -8.0] {
+                let mut court = Court::of(6, gyro);
+                court.hear(10.0, |_| {});
+                let out = court.hear(20.0, off(&pair, by_k));
+                assert!(out.iter().all(|i| pair.contains(i)), "{pair:?} by {by_k} K, gyro {gyro}: {out:?}");
+            }
+        }
+    }
+}

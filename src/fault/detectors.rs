@@ -1,0 +1,93 @@
+//! All detectors together: what speaks against the attitude, and whether it may be given.
+
+use super::debounce::State;
+use super::disagree::Disagree;
+use super::inverted::Inverted;
+use super::low_contrast::LowContrast;
+use super::obstructed::Obstructed;
+use super::sensors::SensorDetector;
+use super::stuck::StuckSensors;
+use super::wet::WetSensors;
+use super::{ActiveFault, FaultKind};
+use crate::attitude::Attitude;
+use crate::config::settings::FaultSettings;
+use crate::estimator::Solution;
+use crate::frame::{Frame, Missing};
+use crate::head::Head;
+
+/// The detectors of one head.
+#[derive(Clone, Debug)]
+pub struct Detectors {
+    low: LowContrast,
+    inverted: Inverted,
+    wet: WetSensors,
+    obstructed: Obstructed,
+    disagree: Disagree,
+    stuck: StuckSensors,
+    sensors: SensorDetector,
+}
+
+impl Detectors {
+    /// For `head`, with the thresholds of `f`.
+    pub fn new(f: &FaultSettings, head: &Head) -> Self {
+        Self {
+            low: LowContrast::new(head, f.low_contrast_c, f.accuracy_deg.to_radians()),
+            inverted: Inverted::new(f.low_contrast_c),
+            wet: WetSensors::new(head, 0.01 * f.wet_percent),
+            obstructed: Obstructed::new(f.obstructed_deg.to_radians()),
+            disagree: Disagree::new(f.disagree_deg.to_radians()),
+            stuck: StuckSensors::new(head, f.stuck_after_s),
+            sensors: SensorDetector::new(head.clone(), f.lost_after_s, f.back_after_s, f.stale_after_s),
+        }
+    }
+
+    /// Takes in a frame, what the method makes of it, and the reason for which each bus is down. Whether the
+    /// contrast allows an attitude for all that is seen: a mere suspicion does not.
+    pub fn update(&mut self, frame: &Frame, solution: &Solution, buses_down: &[Option<Missing>]) -> bool {
+        let low = self.low.update(solution, frame);
+        let inverted = self.inverted.update(solution, frame.time);
+        self.wet.update(frame, solution, self.low.limit_k());
+        // A scene of next to no contrast is no scene.
+        if low == State::Clear {
+            self.obstructed.update(solution, frame.time);
+        }
+        self.stuck.update(frame, &solution.sensors);
+        self.sensors.update(frame, buses_down);
+        low == State::Clear && inverted == State::Clear && !self.wet.all()
+    }
+
+    /// Compares the airframe's attitude and its standard deviation with the turn and climb that are flown; `None`
+    /// while there is none. Gives what to add to the standard deviations.
+    pub fn compare(&mut self, attitude: Option<(Attitude, Attitude)>, frame: &Frame) -> Attitude {
+        self.disagree.update(attitude, &frame.aiding, frame.time);
+        self.disagree.doubt()
+    }
+
+    /// Whether sensor `i` is stuck.
+    pub fn is_stuck(&self, i: usize) -> bool {
+        self.stuck.is_stuck(i)
+    }
+
+    /// Adds what is there to `faults`, in the vocabulary's order.
+    pub fn report(&self, faults: &mut Vec<ActiveFault>) {
+        self.low.report(faults);
+        self.inverted.report(faults);
+        self.wet.report(faults);
+        self.obstructed.report(faults);
+        self.disagree.report(faults);
+        self.stuck.report(faults);
+        self.sensors.report(faults);
+    }
+
+    /// Whether a fault withholds the attitude; a sensor's does where the method has none without it (`solved`).
+    pub fn withholds(&self, kind: FaultKind, solved: bool) -> bool {
+        match kind {
+            FaultKind::LowContrast | FaultKind::InvertedContrast | FaultKind::Stale => true,
+            FaultKind::WetSensor(_) => self.wet.all() || !solved,
+            _ => !solved,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,116 @@
+//! Roll and pitch against the turn and the climb that are flown.
+
+use super::debounce::Debounce;
+use super::{ActiveFault, Evidence, FaultKind};
+use crate::attitude::Attitude;
+use crate::estimator::references::{Angle, References};
+use crate::frame::Aiding;
+use crate::time::Time;
+
+/// Over this time differences are averaged, s.
+const WINDOW_S: f64 = 5.0;
+/// A reference's error lasts so long, s: within it, more of them say no more.
+const CORRELATION_S: f64 = 2.0;
+/// So many standard deviations of both together a difference must be.
+const SIGMAS: f64 = 2.5;
+/// Seconds for which it must be there, and must be gone.
+const LASTS_S: (f64, f64) = (2.0, 3.0);
+/// It is gone below this share of the limit.
+const HYSTERESIS: f64 = 0.6;
+/// So old, s, a difference is none.
+const STALE_S: f64 = 4.0;
+
+/// One angle less its reference, averaged.
+#[derive(Clone, Copy, Debug)]
+struct Difference {
+    mean: f64,
+    variance: f64,
+    /// The time that it stands for, s, up to [`WINDOW_S`].
+    weight_s: f64,
+    heard: Option<Time>,
+    disagrees: Debounce,
+}
+
+/// Sees `roll-disagrees` and `pitch-disagrees`. Without GPS it says nothing.
+#[derive(Clone, Debug)]
+pub struct Disagree {
+    limit: f64,
+    references: References,
+    roll: Difference,
+    pitch: Difference,
+    /// The mean of pitch since the last climb.
+    pitched: (f64, f64),
+}
+
+impl Disagree {
+    /// With the difference from which they disagree, rad.
+    pub fn new(limit: f64) -> Self {
+        let none = Difference {
+            mean: 0.0,
+            variance: 0.0,
+            weight_s: 0.0,
+            heard: None,
+            disagrees: Debounce::new(LASTS_S.0, LASTS_S.1),
+        };
+        Self { limit, references: References::default(), roll: none, pitch: none, pitched: (0.0, 0.0) }
+    }
+
+    /// Takes in an attitude with its standard deviation, and what other instruments said. Without an attitude
+    /// nothing is compared, and what was compared ends.
+    pub fn update(&mut self, attitude: Option<(Attitude, Attitude)>, aiding: &Aiding, now: Time) {
+        let Some((attitude, sigma)) = attitude else {
+            *self = Self::new(self.limit);
+            return;
+        };
+        let heard = self.references.hear(aiding, attitude.roll, now);
+        self.pitched = (self.pitched.0 + attitude.pitch, self.pitched.1 + 1.0);
+        if let Some((bank, roll)) = heard.bank {
+            self.roll.compare(roll, bank, now);
+        }
+        if let Some(climb) = heard.climb {
+            let pitch = self.pitched.0 / self.pitched.1;
+            self.pitched = (0.0, 0.0);
+            self.pitch.compare(pitch, climb, now);
+        }
+        self.roll.judge(self.limit, sigma.roll, now);
+        self.pitch.judge(self.limit, sigma.pitch, now);
+    }
+
+    /// What to add to the standard deviations of roll and pitch: one of the two is wrong, and nobody knows which.
+    pub fn doubt(&self) -> Attitude {
+        let of = |d: &Difference| if d.disagrees.is_active() { 0.5 * d.mean.abs() } else { 0.0 };
+        Attitude { roll: of(&self.roll), pitch: of(&self.pitch) }
+    }
+
+    /// Adds what is there to `faults`.
+    pub fn report(&self, faults: &mut Vec<ActiveFault>) {
+        for (kind, d) in [(FaultKind::RollDisagrees, &self.roll), (FaultKind::PitchDisagrees, &self.pitch)] {
+            let [value, limit] = [d.mean, self.limit].map(f64::to_degrees);
+            d.disagrees.report(kind, Evidence::Limit { value, limit, unit: "°" }, faults);
+        }
+    }
+}
+
+impl Difference {
+    fn compare(&mut self, angle: f64, reference: Angle, now: Time) {
+        let share = (reference.span_s / WINDOW_S).min(1.0).max(reference.span_s / (self.weight_s + reference.span_s));
+        self.weight_s = (self.weight_s + reference.span_s).min(WINDOW_S);
+        self.mean += share * (angle - reference.angle - self.mean);
+        self.variance += share * (reference.sigma * reference.sigma - self.variance);
+        self.heard = Some(now);
+    }
+
+    fn judge(&mut self, limit: f64, sigma: f64, now: Time) {
+        if self.heard.is_none_or(|at| !(0.0..STALE_S).contains(&now.since(at))) {
+            (self.mean, self.weight_s) = (0.0, 0.0);
+        }
+        let alone = (self.weight_s / CORRELATION_S).max(1.0);
+        let expected = (self.variance / alone + sigma * sigma).sqrt();
+        let limit = limit.max(SIGMAS * expected) * if self.disagrees.is_active() { HYSTERESIS } else { 1.0 };
+        let there = self.weight_s >= CORRELATION_S && self.mean.abs() > limit;
+        self.disagrees.update(there, now);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,135 @@
+//! A flight with a GPS fix each second, and an attitude that is not the one flown.
+
+use super::super::kit::{at, told, value};
+use super::*;
+
+const SPEED_M_S: f64 = 18.0;
+const LIMIT_DEG: f64 = 12.0;
+const SIGMA_DEG: f64 = 1.0;
+
+/// What is said of a flight, 50 frames a second.
+struct Flight {
+    disagree: Disagree,
+    scan: u32,
+    course_deg: f64,
+}
+
+impl Flight {
+    fn new() -> Self {
+        Self { disagree: Disagree::new(LIMIT_DEG.to_radians()), scan: 0, course_deg: 100.0 }
+    }
+
+    /// So many seconds: roll and pitch that are said, bank and angle of climb that are flown, °.
+    fn fly(&mut self, seconds: f64, said: (f64, f64), flown: (f64, f64)) {
+        self.with(seconds, Some(said), flown, |_| {});
+    }
+
+    /// The same where there may be no attitude, and `spoil` changes what other instruments say.
+    fn with(&mut self, seconds: f64, said: Option<(f64, f64)>, flown: (f64, f64), spoil: impl Fn(&mut Aiding)) {
+        let sigma = Attitude::from_degrees(SIGMA_DEG, SIGMA_DEG);
+        let attitude = said.map(|(roll, pitch)| (Attitude::from_degrees(roll, pitch), sigma));
+        for _ in 0..(seconds * 50.0).round() as u32 {
+            self.scan += 1;
+            // A coordinated turn: tan φ = V·ω/g.
+            let turn = flown.0.to_radians().tan() * 9.80665 / SPEED_M_S;
+            self.course_deg = (self.course_deg + 0.02 * turn.to_degrees()).rem_euclid(360.0);
+            let mut aiding = Aiding::default();
+            if self.scan.is_multiple_of(50) {
+                aiding.ground_speed_m_s = Some(SPEED_M_S);
+                aiding.course_deg = Some(self.course_deg);
+                aiding.climb_m_s = Some(SPEED_M_S * flown.1.to_radians().sin());
+            }
+            spoil(&mut aiding);
+            self.disagree.update(attitude, &aiding, at(100.0 + 0.02 * f64::from(self.scan)));
+        }
+    }
+
+    fn told(&self) -> Vec<FaultKind> {
+        told(|f| self.disagree.report(f)).iter().map(|t| t.0).collect()
+    }
+}
+
+#[test]
+fn a_bank_that_is_not_that_of_the_turn_is_told_and_doubted_by_half() {
+    for (said_deg, flown_deg) in [(0.0, 20.0), (20.0, 0.0), (-15.0, 10.0), (0.0, -25.0)] {
+        let mut flight = Flight::new();
+        flight.fly(30.0, (flown_deg, 0.0), (flown_deg, 0.0));
+        assert_eq!((flight.told(), flight.disagree.doubt()), (vec![], Attitude::default()));
+        flight.fly(1.0, (said_deg, 0.0), (flown_deg, 0.0));
+        assert_eq!(flight.told(), [], "one fix is not enough");
+        flight.fly(9.0, (said_deg, 0.0), (flown_deg, 0.0));
+        assert_eq!(flight.told(), [FaultKind::RollDisagrees], "{said_deg}° in a turn of {flown_deg}°");
+        flight.fly(30.0, (said_deg, 0.0), (flown_deg, 0.0));
+        let (difference, unit) = value(&told(|f| flight.disagree.report(f))[0]);
+        assert!((difference - (said_deg - flown_deg)).abs() < 0.5 && unit == "°", "{difference}");
+        let doubt = flight.disagree.doubt();
+        assert!((doubt.roll.to_degrees() - 0.5 * difference.abs()).abs() < 1e-9 && doubt.pitch == 0.0, "{doubt:?}");
+        // In accord again for a while.
+        flight.fly(30.0, (flown_deg, 0.0), (flown_deg, 0.0));
+        assert_eq!((flight.told(), flight.disagree.doubt()), (vec![], Attitude::default()));
+    }
+}
+
+#[test]
+fn a_bank_twenty_degrees_off_from_the_start_is_told_within_seven_seconds() {
+    let mut flight = Flight::new();
+    flight.fly(7.0, (0.0, 0.0), (20.0, 0.0));
+    assert_eq!(flight.told(), [FaultKind::RollDisagrees]);
+}
+
+#[test]
+fn a_pitch_that_is_not_that_of_the_climb_is_told() {
+    let mut flight = Flight::new();
+    flight.fly(20.0, (0.0, 5.0), (0.0, 5.0));
+    assert_eq!(flight.told(), []);
+    flight.fly(12.0, (0.0, -14.0), (0.0, 6.0));
+    assert_eq!(flight.told(), [FaultKind::PitchDisagrees]);
+    flight.fly(12.0, (25.0, -14.0), (0.0, 6.0));
+    assert_eq!(flight.told(), [FaultKind::RollDisagrees, FaultKind::PitchDisagrees]);
+}
+
+#[test]
+fn what_is_within_the_limit_or_lasts_a_moment_is_not_told() {
+    for off_deg in [-11.0, 4.0, 11.0] {
+        let mut flight = Flight::new();
+        flight.fly(60.0, (20.0 + off_deg, off_deg), (20.0, 0.0));
+        assert_eq!(flight.told(), [], "{off_deg}°");
+    }
+    let mut flight = Flight::new();
+    for _ in 0..20 {
+        flight.fly(5.0, (0.0, 0.0), (0.0, 0.0));
+        flight.fly(1.0, (20.0, 0.0), (0.0, 0.0));
+        assert_eq!(flight.told(), []);
+    }
+}
+
+#[test]
+fn it_ends_without_gps_and_without_an_attitude() {
+    let off = || {
+        let mut flight = Flight::new();
+        flight.fly(20.0, (0.0, 0.0), (25.0, 0.0));
+        assert_eq!(flight.told(), [FaultKind::RollDisagrees]);
+        flight
+    };
+    let mut silent = off();
+    silent.with(6.0, Some((0.0, 0.0)), (25.0, 0.0), |a| *a = Aiding::default());
+    assert_eq!(silent.told(), [FaultKind::RollDisagrees]);
+    silent.with(3.0, Some((0.0, 0.0)), (25.0, 0.0), |a| *a = Aiding::default());
+    assert_eq!(silent.told(), []);
+    let mut withheld = off();
+    withheld.with(0.02, None, (25.0, 0.0), |_| {});
+    assert_eq!((withheld.told(), withheld.disagree.doubt()), (vec![], Attitude::default()));
+}
+
+#[test]
+fn what_is_no_number_says_nothing() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+        for which in 0..4 {
+            let mut flight = Flight::new();
+            flight.with(30.0, Some((0.0, 0.0)), (0.0, 0.0), |a| {
+                *[&mut a.ground_speed_m_s, &mut a.course_deg, &mut a.climb_m_s, &mut a.airspeed_m_s][which] = Some(bad);
+            });
+            assert_eq!((flight.told(), flight.disagree.doubt()), (vec![], Attitude::default()), "{bad} for {which}");
+        }
+    }
+}

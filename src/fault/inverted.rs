@@ -1,0 +1,85 @@
+//! Contrast the wrong way round: hail on the ground (report section V.3).
+
+use super::debounce::{Debounce, State};
+use super::{ActiveFault, Evidence, FaultKind};
+use crate::estimator::Solution;
+use crate::time::Time;
+
+/// Seconds for which ground and sky must be exchanged, and must be upright again.
+const LASTS_S: (f64, f64) = (0.1, 1.0);
+/// They are exchanged beyond this share of the least contrast: with less the contrast is low.
+const REVERSED: f64 = 0.5;
+
+/// Sees `inverted-contrast`. What tells it from an aircraft on its back is how it comes about: a method that knows
+/// inverted flight follows the vertical round by degrees, and says that ground and sky are exchanged only where
+/// the contrast went through nothing ([`crate::estimator::sides`]).
+#[derive(Clone, Copy, Debug)]
+pub struct Inverted {
+    limit_k: f64,
+    inverted: Debounce,
+    vertical_k: f64,
+}
+
+impl Inverted {
+    /// With the contrast below which there is no attitude, K.
+    pub fn new(low_k: f64) -> Self {
+        Self { limit_k: -REVERSED * low_k, inverted: Debounce::new(LASTS_S.0, LASTS_S.1), vertical_k: 0.0 }
+    }
+
+    /// Takes in what was seen at `now`. A frame in which nothing was seen changes nothing.
+    pub fn update(&mut self, solution: &Solution, now: Time) -> State {
+        let Some([_, _, z]) = solution.seen_k else { return self.inverted.state() };
+        self.vertical_k = z;
+        let limit_k = if self.inverted.is_active() { 0.0 } else { self.limit_k };
+        self.inverted.update(z < limit_k, now)
+    }
+
+    /// Adds what is there to `faults`.
+    pub fn report(&self, faults: &mut Vec<ActiveFault>) {
+        let evidence = Evidence::Limit { value: self.vertical_k, limit: self.limit_k, unit: "K" };
+        self.inverted.report(FaultKind::InvertedContrast, evidence, faults);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::kit::{at, seen, told, value};
+    use super::*;
+
+    #[test]
+    fn it_is_told_beyond_half_the_least_contrast_and_ends_when_all_is_upright() {
+        let mut inverted = Inverted::new(2.0);
+        let mut time_s = 10.0;
+        for (seconds, z, expected) in [
+            (5.0, Some(30.0), State::Clear),
+            (5.0, Some(-0.9), State::Clear),
+            (0.04, Some(-1.1), State::Suspected),
+            // Nothing seen changes nothing, however long it lasts.
+            (5.0, None, State::Suspected),
+            (0.04, Some(-1.1), State::Active),
+            (5.0, Some(-0.1), State::Active),
+            (5.0, None, State::Active),
+            (0.96, Some(0.1), State::Active),
+            (0.1, Some(0.1), State::Clear),
+        ] {
+            let mut state = inverted.update(&Solution::default(), at(time_s));
+            for _ in 0..(seconds / 0.02_f64).round() as u32 {
+                time_s += 0.02;
+                state = inverted.update(&z.map_or_else(Solution::default, seen), at(time_s));
+            }
+            assert_eq!(state, expected, "{seconds} s of {z:?}");
+            let told = told(|f| inverted.report(f));
+            assert_eq!(told.len(), usize::from(expected == State::Active));
+            assert!(told.iter().all(|t| t.0 == FaultKind::InvertedContrast && value(t).1 == "K"));
+        }
+    }
+
+    #[test]
+    fn a_moment_is_none() {
+        let mut inverted = Inverted::new(2.0);
+        for i in 0..500 {
+            let z = if i % 5 == 0 { 3.0 } else { -3.0 };
+            assert_ne!(inverted.update(&seen(z), at(10.0 + 0.02 * f64::from(i))), State::Active);
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! A sensor that says the same whatever the aircraft does.
+
+use super::debounce::Debounce;
+use super::{ActiveFault, Evidence, FaultKind};
+use crate::estimator::{Hearing, Standing};
+use crate::frame::Frame;
+use crate::head::Head;
+use crate::time::Time;
+
+/// What the others must have moved by meanwhile, K, and how many of them.
+const MOVED_K: f64 = 2.0;
+const OTHERS: usize = 2;
+/// Seconds for which it must have said something else again.
+const BACK_S: f64 = 0.5;
+/// A run of equal readings is one too many where it is as improbable as e to the minus this.
+const IMPROBABLE: f64 = 20.0;
+/// As improbable it must be where the method says that the reading should have changed.
+const DOUBTFUL: f64 = 3.0;
+/// How many readings the share of honest repetitions is learnt from, and its bounds.
+const LEARNT: f64 = 500.0;
+const HONEST: (f64, f64) = (0.02, 0.998);
+
+/// One sensor's readings, K, since it last said something else.
+#[derive(Clone, Debug)]
+struct Run {
+    reading_k: Option<f64>,
+    since: Time,
+    last: Time,
+    /// What each of the others showed meanwhile, least and most.
+    others: Vec<Option<(f64, f64)>>,
+    /// How often a reading is repeated honestly.
+    honest: f64,
+    /// How improbable this run is.
+    against: f64,
+    stuck: Debounce,
+}
+
+/// Sees `sensor-stuck`. A quiet sensor of coarse steps repeats itself honestly, and a head at rest does: the others
+/// must have moved, and the run must be longer than those that this sensor is known for.
+#[derive(Clone, Debug)]
+pub struct StuckSensors {
+    head: Head,
+    runs: Vec<Run>,
+    repeating: Vec<bool>,
+    after_s: f64,
+}
+
+impl StuckSensors {
+    /// With the time for which a sensor must repeat itself, s.
+    pub fn new(head: &Head, after_s: f64) -> Self {
+        let n = head.sensors.len();
+        let run = Run {
+            reading_k: None,
+            since: Time::default(),
+            last: Time::default(),
+            others: vec![None; n],
+            honest: HONEST.1,
+            against: 0.0,
+            stuck: Debounce::new(0.0, BACK_S),
+        };
+        Self { head: head.clone(), runs: vec![run; n], repeating: vec![false; n], after_s }
+    }
+
+    /// Takes in a frame, and what the method makes of each sensor.
+    pub fn update(&mut self, frame: &Frame, sensors: &[Hearing]) {
+        for i in 0..self.runs.len() {
+            let reading = self.head.reading_k(i, frame);
+            self.runs[i].extend(reading, frame.time);
+            for (j, run) in self.runs.iter_mut().enumerate().filter(|(j, _)| *j != i) {
+                if let (Some((k, _)), Some(seen)) = (reading, run.others.get_mut(i)) {
+                    let (least, most) = seen.unwrap_or((k, k));
+                    *seen = Some((least.min(k), most.max(k)));
+                }
+                debug_assert!(j != i);
+            }
+        }
+        let repeats = |run: &Run| run.reading_k.is_some() && run.last.since(run.since) >= self.after_s;
+        for (run, repeating) in self.runs.iter().zip(&mut self.repeating) {
+            *repeating = repeats(run);
+        }
+        let repeating = &self.repeating;
+        let count = repeating.iter().filter(|r| **r).count();
+        for (i, run) in self.runs.iter_mut().enumerate() {
+            let moved = |(j, seen): (usize, &Option<(f64, f64)>)| {
+                !repeating[j] && seen.is_some_and(|(least, most)| most - least > MOVED_K)
+            };
+            let others = run.others.iter().enumerate().filter(|(j, s)| moved((*j, s))).count();
+            let known = sensors.get(i).is_some_and(|h| h.standing == Standing::Stuck);
+            // Several at once are a head at rest.
+            let alone = repeating[i] && count <= OTHERS && others >= OTHERS && run.against > IMPROBABLE;
+            run.stuck.update(alone || (known && repeating[i] && run.against > DOUBTFUL), frame.time);
+        }
+    }
+
+    /// Which sensors are stuck.
+    pub fn is_stuck(&self, i: usize) -> bool {
+        self.runs.get(i).is_some_and(|r| r.stuck.is_active())
+    }
+
+    /// Adds what is there to `faults`.
+    pub fn report(&self, faults: &mut Vec<ActiveFault>) {
+        for (i, run) in self.runs.iter().enumerate() {
+            let value = run.last.since(run.since);
+            let evidence = Evidence::Limit { value, limit: self.after_s, unit: "s" };
+            run.stuck.report(FaultKind::SensorStuck(i), evidence, faults);
+        }
+    }
+}
+
+impl Run {
+    fn extend(&mut self, reading: Option<(f64, Time)>, now: Time) {
+        let Some((reading, time)) = reading else { return };
+        if self.reading_k == Some(reading) {
+            if time > self.last {
+                self.against -= self.honest.ln();
+                if !self.stuck.is_active() {
+                    self.learn(1.0);
+                }
+            }
+        } else {
+            self.learn(0.0);
+            self.reading_k = Some(reading);
+            (self.since, self.against) = (time.min(now), 0.0);
+            self.others.fill(None);
+        }
+        self.last = self.last.max(time);
+    }
+
+    fn learn(&mut self, repeated: f64) {
+        self.honest = (self.honest + (repeated - self.honest) / LEARNT).clamp(HONEST.0, HONEST.1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::kit::{frame, told, value};
+    use super::*;
+
+    const STEP_S: f64 = 0.02;
+
+    /// Six sensors in a turning flight, from 100 s on; `show` says what they show at a time.
+    struct Flight {
+        stuck: StuckSensors,
+        scan: u32,
+    }
+
+    impl Flight {
+        fn new() -> Self {
+            Self { stuck: StuckSensors::new(&Head::six(), 1.0), scan: 0 }
+        }
+
+        /// So many seconds; how many scans had a fault.
+        fn fly(&mut self, seconds: f64, sensors: &[Hearing], show: impl Fn(usize, f64) -> f64) -> u32 {
+            let mut faulty = 0;
+            for _ in 0..(seconds / STEP_S).round() as u32 {
+                self.scan += 1;
+                let time_s = 100.0 + STEP_S * f64::from(self.scan);
+                let shown: Vec<f64> = (0..6).map(|i| show(i, time_s)).collect();
+                self.stuck.update(&frame(time_s, &shown, None), sensors);
+                faulty += u32::from((0..6).any(|i| self.stuck.is_stuck(i)));
+            }
+            faulty
+        }
+
+        fn stuck(&self) -> Vec<usize> {
+            (0..6).filter(|i| self.stuck.is_stuck(*i)).collect()
+        }
+    }
+
+    /// Each sensor goes its own way, never twice through the same.
+    fn turning(i: usize, time_s: f64) -> f64 {
+        20.0 * (time_s * (1.1 + 0.1 * i as f64)).sin()
+    }
+
+    /// The same where these sensors rest.
+    fn but(at_rest: &[usize]) -> impl Fn(usize, f64) -> f64 {
+        move |i, time_s| if at_rest.contains(&i) { 3.0 } else { turning(i, time_s) }
+    }
+
+    #[test]
+    fn one_that_repeats_itself_while_others_move_is_stuck_until_it_moves() {
+        let mut flight = Flight::new();
+        assert_eq!(flight.fly(30.0, &[], turning), 0);
+        flight.fly(0.9, &[], but(&[2]));
+        assert_eq!(flight.stuck(), [0; 0], "not yet");
+        flight.fly(0.3, &[], but(&[2]));
+        assert_eq!(flight.stuck(), [2]);
+        flight.fly(10.0, &[], but(&[2]));
+        let told = told(|f| flight.stuck.report(f));
+        assert_eq!(told.iter().map(|t| t.0).collect::<Vec<_>>(), [FaultKind::SensorStuck(2)]);
+        let (value, unit) = value(&told[0]);
+        assert!((value - 11.2).abs() < 0.05 && unit == "s", "{value} {unit}");
+        flight.fly(0.4, &[], turning);
+        assert_eq!(flight.stuck(), [2], "not yet over");
+        flight.fly(0.2, &[], turning);
+        assert_eq!(flight.stuck(), [0; 0]);
+    }
+
+    #[test]
+    fn a_quiet_sensor_of_coarse_steps_repeats_itself_honestly_for_ten_minutes() {
+        // Steps of 0.5 K of what drifts by 1 K in 12 s and back: each lasts for some seconds.
+        let coarse = |i: usize, time_s: f64| match i {
+            5 => ((time_s / 12.0 * std::f64::consts::TAU).sin() / 0.5).round() * 0.5,
+            _ => turning(i, time_s),
+        };
+        let mut flight = Flight::new();
+        assert_eq!(flight.fly(600.0, &[], coarse), 0);
+    }
+
+    #[test]
+    fn a_head_at_rest_has_no_stuck_sensor_and_few_that_move_convict_none() {
+        for at_rest in [&[0, 1, 2, 3, 4, 5][..], &[0, 1, 2, 3, 4], &[0, 1, 2, 3], &[0, 1, 2]] {
+            let mut flight = Flight::new();
+            flight.fly(30.0, &[], turning);
+            assert_eq!(flight.fly(30.0, &[], but(at_rest)), 0, "{at_rest:?}");
+        }
+        // Two at once are two.
+        let mut flight = Flight::new();
+        flight.fly(30.0, &[], turning);
+        flight.fly(3.0, &[], but(&[0, 4]));
+        assert_eq!(flight.stuck(), [0, 4]);
+        // Others that move by less than 2 K say nothing.
+        let still = |i: usize, time_s: f64| if i == 3 { 3.0 } else { 0.04 * turning(i, time_s) };
+        let mut flight = Flight::new();
+        flight.fly(30.0, &[], turning);
+        assert_eq!(flight.fly(30.0, &[], still), 0);
+    }
+
+    #[test]
+    fn what_the_method_says_counts_where_the_reading_is_the_same_for_as_long() {
+        let mut sensors = [Hearing::default(); 8];
+        sensors[1].standing = Standing::Stuck;
+        let mut flight = Flight::new();
+        assert_eq!(flight.fly(30.0, &sensors, turning), 0, "it does move");
+        flight.fly(0.9, &sensors, but(&[0, 1, 2, 3]));
+        assert_eq!(flight.stuck(), [0; 0]);
+        flight.fly(0.2, &sensors, but(&[0, 1, 2, 3]));
+        assert_eq!(flight.stuck(), [1]);
+    }
+}

@@ -1,0 +1,117 @@
+//! How soon what goes wrong is seen, how rightly it is named, and how far off attitudes are meanwhile: 24 seeds of each
+//! event under six skies. Each test prints its distributions and every flight that misses something.
+
+mod events;
+
+use events::event::{self, Event};
+use events::flown::AIDING;
+use events::outcome::run;
+use events::quiet::{self, Alarm};
+use events::report::{self, Asked};
+
+/// What is known to be missed, said in docs/faults.md: in how many of the flights what is asked must be reached
+/// nevertheless.
+const KNOWN: [(&str, &str, &str, usize); 25] = [
+    ("film on one sensor, 92 % in 3 s", "without aiding", "seen in time", 22),
+    ("film on one sensor, 92 % in 3 s", "without aiding", "nothing else said", 21),
+    ("film on one sensor, 92 % in 3 s", "without aiding", "error", 12),
+    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "seen in time", 18),
+    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "nothing else said", 17),
+    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "error", 17),
+    ("lost sensor", "without aiding", "error", 19),
+    ("ridge of 25° on one side, in 3 s", "without aiding", "seen in time", 9),
+    ("ridge of 25° on one side, in 3 s", "without aiding", "nothing else said", 20),
+    ("ridge of 25° on one side, in 3 s", "without aiding", "2 sigma", 8),
+    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "seen in time", 8),
+    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "error", 15),
+    ("stuck sensor", "without aiding", "seen in time", 21),
+    ("stuck sensor", "without aiding", "nothing else said", 21),
+    ("stuck sensor", "without aiding", "error", 13),
+    ("stuck sensor", "with rates and GPS", "seen in time", 21),
+    ("stuck sensor", "with rates and GPS", "nothing else said", 21),
+    ("stuck sensor", "with rates and GPS", "error", 17),
+    ("valley of 35°, in 3 s", "without aiding", "seen in time", 7),
+    ("valley of 35°, in 3 s", "without aiding", "nothing else said", 11),
+    ("valley of 35°, in 3 s", "without aiding", "2 sigma", 10),
+    ("valley of 35°, in 3 s", "with rates and GPS", "seen in time", 15),
+    ("valley of 35°, in 3 s", "with rates and GPS", "nothing else said", 17),
+    ("valley of 35°, in 3 s", "with rates and GPS", "error", 17),
+    ("hail: 5 K to −2 K in 2 s", "without aiding", "error", 23),
+];
+
+/// False alarms that are known, at most.
+const KNOWN_ALARMS: [(&str, usize); 0] = [];
+
+fn row(event: &Event) {
+    let mut missed = Vec::new();
+    for (outcomes, aiding) in run(event, 0).iter().zip(AIDING) {
+        report::print(event, outcomes);
+        for Asked { what, reached, of } in report::reached(event, outcomes) {
+            let known = KNOWN.iter().find(|k| (k.0, k.1, k.2) == (event.name, aiding, what));
+            if reached < of {
+                println!("MISSED ({:?}, {aiding:?}, {what:?}, {reached}), of {of}", event.name);
+            }
+            if reached < known.map_or(of, |k| k.3) {
+                missed.push(format!("{} {aiding}: {what} in {reached} of {of}", event.name));
+            }
+        }
+    }
+    assert!(missed.is_empty(), "missed beyond what is known: {missed:#?}");
+}
+
+fn silent(name: &str, (flights, alarms): &(u32, Vec<Alarm>)) {
+    println!("{flights} flights");
+    alarms.iter().for_each(|a| println!("MISSED {a}"));
+    let known = KNOWN_ALARMS.iter().find(|k| k.0 == name).map_or(0, |k| k.1);
+    assert!(alarms.len() <= known, "{} false alarms, {known} known", alarms.len());
+}
+
+#[test]
+fn hail() {
+    row(&event::HAIL);
+}
+
+#[test]
+fn fog() {
+    row(&event::FOG);
+}
+
+#[test]
+fn a_film_on_one_sensor() {
+    row(&event::WET);
+}
+
+#[test]
+fn a_film_on_all_sensors() {
+    row(&event::WET_ALL);
+}
+
+#[test]
+fn a_stuck_sensor() {
+    row(&event::STUCK);
+}
+
+#[test]
+fn a_lost_sensor() {
+    row(&event::LOST);
+}
+
+#[test]
+fn a_ridge() {
+    row(&event::RIDGE);
+}
+
+#[test]
+fn a_valley() {
+    row(&event::VALLEY);
+}
+
+#[test]
+fn nothing_is_said_of_turns_turbulence_loops_and_rolls() {
+    silent("lively", &quiet::lively(0));
+}
+
+#[test]
+fn nothing_is_said_of_ten_quiet_minutes() {
+    silent("straight", &quiet::straight(0));
+}
