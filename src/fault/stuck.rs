@@ -86,8 +86,10 @@ impl StuckSensors {
             };
             let others = run.others.iter().enumerate().filter(|(j, s)| moved((*j, s))).count();
             let known = sensors.get(i).is_some_and(|h| h.standing == Standing::Stuck);
-            // Several at once are a head at rest.
-            let alone = repeating[i] && count <= OTHERS && others >= OTHERS && run.against > IMPROBABLE;
+            // Several at once are a head at rest; two that look apart are left as they are by a pure climb or roll.
+            let looks = |j: usize| self.head.sensors[j].direction;
+            let apart = count == 2 && (0..repeating.len()).any(|j| repeating[j] && looks(i).opposes(looks(j)));
+            let alone = repeating[i] && count <= OTHERS && !apart && others >= OTHERS && run.against > IMPROBABLE;
             run.stuck.update(alone || (known && repeating[i] && run.against > DOUBTFUL), frame.time);
         }
     }

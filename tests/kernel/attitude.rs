@@ -163,7 +163,7 @@ fn one_ads1115_multiplexed_with_its_data_ready_line() {
 /// Roll and pitch as `status` gives them once they are of `after_s` or later.
 /// What is shown once a step, which no aircraft can make, has been eased.
 fn angles(daemon: &Daemon, after_s: f64) -> (f64, f64) {
-    const EASED_S: f64 = 2.0;
+    const EASED_S: f64 = 5.0;
     let eased = |s: &serde_json::Value| s["sample_time_usec"].as_u64().unwrap() as f64 * 1e-6 > after_s + EASED_S;
     let s = daemon.until("a later sample", eased);
     (s["roll_deg"].as_f64().unwrap(), s["pitch_deg"].as_f64().unwrap())
