@@ -110,7 +110,8 @@ fn plain() -> String {
 const REST: &str = "[[sensor]]\nname = \"long\"\ndirection = { azimuth-deg = 45.0, elevation-deg = 1.0 }\n\
                     power = { chip = \"a\", line = 2 }\n[faults]\nlamp = { chip = \"a\", line = 3 }\n\
                     [head]\nlag-s = 0.2\n[estimator]\nmethod = \"profile\"\nroll-limit-deg = 60\n\
-                    [[mavlink.endpoint]]\naddress = \"udpout:127.0.0.1:14550\"\nattitude-hz = 5\n";
+                    [[mavlink.endpoint]]\naddress = \"udpout:127.0.0.1:14550\"\nattitude-hz = 5\n\
+                    tlog = \"/t\"\n[mavlink]\nsigning-key = \"/k\"\n";
 
 #[test]
 fn every_key_is_in_the_page_and_no_other() {

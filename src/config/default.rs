@@ -2,7 +2,7 @@
 
 use super::settings::{
     BusAddress, DbusSettings, EstimatorSettings, FaultSettings, HeadSettings, MavlinkSettings, OnFault, Settings,
-    SimulationSettings, SkyName,
+    SimulationSettings, SkyName, Streams,
 };
 use std::time::Duration;
 
@@ -36,10 +36,26 @@ impl Default for Settings {
                 stale_after_s: 0.5,
                 lamp: None,
             },
-            mavlink: MavlinkSettings { system_id: 1, component_id: 191, sys_status: false, endpoints: Vec::new() },
+            mavlink: MavlinkSettings {
+                system_id: None,
+                component_id: 191,
+                autopilot_id: None,
+                aiding: true,
+                yaw: false,
+                sys_status: false,
+                signing_key: None,
+                endpoints: Vec::new(),
+            },
             dbus: DbusSettings { bus: Some(BusAddress::System), update_hz: 10.0 },
             simulation: None,
         }
+    }
+}
+
+/// ATTITUDE for each frame, values once a second, faults in words.
+impl Default for Streams {
+    fn default() -> Self {
+        Self { attitude_hz: None, quaternion_hz: 0.0, covariance_hz: 0.0, values_hz: 1.0, texts: true }
     }
 }
 

@@ -1,7 +1,7 @@
 //! `[[mavlink.endpoint]]`.
 
 use super::section::{Findings, Section};
-use super::settings::{EndpointAddress, EndpointSettings};
+use super::settings::{EndpointAddress, EndpointSettings, Streams};
 use super::source::Place;
 use std::net::SocketAddr;
 
@@ -19,34 +19,43 @@ pub fn read<'a>(mavlink: &mut Section<'a>, findings: &Findings<'a>, rate_hz: f64
         let prefix = format!("mavlink.endpoint ({}): ", ordinal(i + 1));
         let mut s = Section::new(findings, table, place, "[[mavlink.endpoint]]", prefix);
         let address = address(&mut s);
-        let attitude_hz = s.number("attitude-hz", &format!("0.1 to {rate_hz} Hz, the daemon's rate"), |hz| {
-            (0.1..=rate_hz).contains(&hz)
-        });
+        let (streams, tlog) = (streams(&mut s, rate_hz), s.path("tlog", "a file that is written to"));
         let place = s.place("address");
         if let Some(address) = address {
             if let Some((first, _)) = read.iter().find(|(_, e)| e.address == address) {
                 s.wrong("address", &format!("is taken by the endpoint on {}", findings.line(*first, place)));
             }
-            read.push((place, EndpointSettings { address, attitude_hz }));
+            read.push((place, EndpointSettings { address, streams, tlog }));
         }
         s.finish();
     }
     read.into_iter().map(|(_, e)| e).collect()
 }
 
+fn streams(s: &mut Section<'_>, rate_hz: f64) -> Streams {
+    let d = Streams::default();
+    let expected = format!("0 (none) or 0.1 to {rate_hz} Hz, the daemon's rate");
+    let mut hz = |key| s.number(key, &expected, |hz| hz == 0.0 || (0.1..=rate_hz).contains(&hz));
+    Streams {
+        attitude_hz: hz("attitude-hz").or(d.attitude_hz),
+        quaternion_hz: hz("quaternion-hz").unwrap_or(d.quaternion_hz),
+        covariance_hz: hz("covariance-hz").unwrap_or(d.covariance_hz),
+        values_hz: hz("values-hz").unwrap_or(d.values_hz),
+        texts: s.boolean("texts").unwrap_or(d.texts),
+    }
+}
+
 fn address(s: &mut Section<'_>) -> Option<EndpointAddress> {
-    const FORMS: &str = "\"udpout:host:port\" sends there, \"udpin:address:port\" listens and answers";
+    const FORMS: &str = "udpout:host:port, udpin:address:port, tcpout:host:port, tcpin:address:port or \
+                         serial:/dev/…:baud";
     if !s.has("address") {
         s.missing("address", FORMS);
     }
     let text = s.string("address", FORMS)?;
     let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
     match kind {
-        "udpout" | "udpin" => {}
-        "tcpout" | "tcpin" | "serial" => {
-            s.wrong("address", &format!("is not in this version: {FORMS}"));
-            return None;
-        }
+        "udpout" | "udpin" | "tcpout" | "tcpin" => {}
+        "serial" => return serial(s, rest),
         _ => {
             s.wrong("address", &format!("is not an endpoint: {FORMS}"));
             return None;
@@ -55,11 +64,27 @@ fn address(s: &mut Section<'_>) -> Option<EndpointAddress> {
     let problem = match socket_address(rest) {
         Ok(to) if to.port() == 0 => "has port 0: a port lies in 1 to 65535".into(),
         Ok(to) if kind == "udpin" => return Some(EndpointAddress::UdpIn(to)),
+        Ok(to) if kind == "tcpin" => return Some(EndpointAddress::TcpIn(to)),
         Ok(to) if to.ip().is_unspecified() => {
-            format!("sends to nobody: name the receiver's address, or listen with \"udpin:{rest}\"")
+            let listening = kind.replace("out", "in");
+            format!("sends to nobody: name the receiver's address, or listen with \"{listening}:{rest}\"")
         }
-        Ok(to) => return Some(EndpointAddress::UdpOut(to)),
+        Ok(to) if kind == "udpout" => return Some(EndpointAddress::UdpOut(to)),
+        Ok(to) => return Some(EndpointAddress::TcpOut(to)),
         Err(problem) => problem,
+    };
+    s.wrong("address", &problem);
+    None
+}
+
+/// `/dev/…:baud`; the rate is the adapter's business, its range is what adapters have.
+fn serial(s: &mut Section<'_>, rest: &str) -> Option<EndpointAddress> {
+    let example = "for example serial:/dev/serial0:921600";
+    let (path, baud) = rest.rsplit_once(':').unwrap_or((rest, ""));
+    let problem = match baud.parse::<u32>() {
+        _ if !path.starts_with('/') => format!("names no device by its absolute path: {example}"),
+        Ok(baud @ 1200..=4_000_000) => return Some(EndpointAddress::Serial { path: path.into(), baud }),
+        _ => format!("has no good baud rate at its end, 1200 to 4000000: {example}"),
     };
     s.wrong("address", &problem);
     None

@@ -4,6 +4,7 @@ use super::nearest::nearest;
 use super::raw::{Node, Table, Value};
 use super::source::{Place, Source, quoted};
 use std::cell::RefCell;
+use std::path::PathBuf;
 
 /// What has been found wrong so far, and which keys exist where.
 pub struct Findings<'a> {
@@ -184,6 +185,26 @@ impl<'a> Section<'a> {
             Value::Integer(_) => self.wrong(key, &format!("is out of range: {expected}")),
             _ => self.wrong_kind(key, node, &format!("a whole number ({expected})")),
         }
+        None
+    }
+
+    /// A whole number from `low` to `high`, or `"auto"`, which is `None`; `expected` says the range.
+    pub fn integer_or_auto(&mut self, key: &'static str, low: i64, high: i64, expected: &str) -> Option<i64> {
+        let expected = format!("{expected}, or \"auto\"");
+        if self.get(key).is_some_and(|n| matches!(&n.value, Value::String(s) if s == "auto")) {
+            self.asked.push(key);
+            return None;
+        }
+        self.integer(key, low, high, &expected)
+    }
+
+    /// A file's absolute path; `expected` says what the file holds.
+    pub fn path(&mut self, key: &'static str, expected: &str) -> Option<PathBuf> {
+        let path = PathBuf::from(self.string(key, expected)?);
+        if path.is_absolute() {
+            return Some(path);
+        }
+        self.wrong(key, &format!("is not an absolute path: {expected}"));
         None
     }
 

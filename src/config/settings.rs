@@ -5,6 +5,7 @@ pub use super::method::Method;
 use crate::direction::Direction;
 use crate::head::{Head, Sensor, SensorKind};
 use crate::simulation::Fault;
+use std::fmt;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -306,6 +307,44 @@ pub enum EndpointAddress {
     UdpOut(SocketAddr),
     /// `udpin:address:port`: datagrams go to whoever was heard last on that port.
     UdpIn(SocketAddr),
+    /// `tcpout:host:port`: a stream to the server there.
+    TcpOut(SocketAddr),
+    /// `tcpin:address:port`: a stream to each client that connects there.
+    TcpIn(SocketAddr),
+    /// `serial:/dev/…:baud`.
+    Serial {
+        /// The tty.
+        path: PathBuf,
+        /// Bits a second.
+        baud: u32,
+    },
+}
+
+impl fmt::Display for EndpointAddress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UdpOut(to) => write!(f, "udpout:{to}"),
+            Self::UdpIn(at) => write!(f, "udpin:{at}"),
+            Self::TcpOut(to) => write!(f, "tcpout:{to}"),
+            Self::TcpIn(at) => write!(f, "tcpin:{at}"),
+            Self::Serial { path, baud } => write!(f, "serial:{}:{baud}", path.display()),
+        }
+    }
+}
+
+/// What an endpoint is sent unasked, and how often.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Streams {
+    /// ATTITUDE messages a second, at most the daemon's rate; `None`: one for each frame; 0: none.
+    pub attitude_hz: Option<f64>,
+    /// ATTITUDE_QUATERNION messages a second, 0 = none.
+    pub quaternion_hz: f64,
+    /// ATTITUDE_QUATERNION_COV messages a second, 0 = none.
+    pub covariance_hz: f64,
+    /// Rounds of NAMED_VALUE_FLOAT a second, 0 = none.
+    pub values_hz: f64,
+    /// Whether faults are told as STATUSTEXT.
+    pub texts: bool,
 }
 
 /// One `[[mavlink.endpoint]]`.
@@ -313,19 +352,29 @@ pub enum EndpointAddress {
 pub struct EndpointSettings {
     /// Where it goes.
     pub address: EndpointAddress,
-    /// ATTITUDE messages a second, at most the daemon's rate; `None`: one for each frame.
-    pub attitude_hz: Option<f64>,
+    /// What goes there unasked.
+    pub streams: Streams,
+    /// A tlog of all that goes out and comes in there.
+    pub tlog: Option<PathBuf>,
 }
 
 /// `[mavlink]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MavlinkSettings {
-    /// 1 to 255.
-    pub system_id: u8,
+    /// The system that this daemon is a part of, 1 to 255; `None`: the autopilot's, 1 until it is heard.
+    pub system_id: Option<u8>,
     /// 1 to 255; 191 is MAV_COMP_ID_ONBOARD_COMPUTER.
     pub component_id: u8,
+    /// The system whose autopilot is listened to, 1 to 255; `None`: the first autopilot heard.
+    pub autopilot_id: Option<u8>,
+    /// Whether rates, GPS and airspeed of the autopilot aid the attitude.
+    pub aiding: bool,
+    /// Whether ATTITUDE carries the autopilot's yaw while that is heard, instead of 0.
+    pub yaw: bool,
     /// Whether SYS_STATUS is sent as well.
     pub sys_status: bool,
+    /// The file with the 32 bytes of the signing key; `None`: nothing is signed, and unsigned commands are taken.
+    pub signing_key: Option<PathBuf>,
     /// The endpoints.
     pub endpoints: Vec<EndpointSettings>,
 }

@@ -4,11 +4,12 @@
 //! with them when they change.
 
 use super::settings::{
-    AdcInput, Ads1115Settings, BusAddress, DeviceSettings, EndpointAddress, HeadSettings, LineSettings, Method,
-    Mlx90614Settings, PecPolicy, SensorSettings, Settings, SkyName,
+    AdcInput, Ads1115Settings, BusAddress, DeviceSettings, HeadSettings, LineSettings, Method, Mlx90614Settings,
+    PecPolicy, SensorSettings, Settings, SkyName,
 };
 use crate::direction::Direction;
 use std::fmt::{Display, Write};
+use std::path::Path;
 
 /// The settings as TOML.
 pub fn show(settings: &Settings) -> String {
@@ -46,21 +47,24 @@ pub fn show(settings: &Settings) -> String {
     out.set("stale-after-s", faults.stale_after_s);
     out.line("lamp", faults.lamp.as_ref());
     out.header("[mavlink]");
-    out.set("system-id", mavlink.system_id);
+    out.set("system-id", id(mavlink.system_id));
     out.set("component-id", mavlink.component_id);
+    out.set("autopilot-id", id(mavlink.autopilot_id));
+    out.set("aiding", mavlink.aiding);
+    out.set("yaw", mavlink.yaw);
     out.set("sys-status", mavlink.sys_status);
+    out.path("signing-key", mavlink.signing_key.as_deref());
     for e in &mavlink.endpoints {
         out.header("[[mavlink.endpoint]]");
-        out.set(
-            "address",
-            string(&match e.address {
-                EndpointAddress::UdpOut(a) => format!("udpout:{a}"),
-                EndpointAddress::UdpIn(a) => format!("udpin:{a}"),
-            }),
-        );
-        if let Some(hz) = e.attitude_hz {
+        out.set("address", string(&e.address.to_string()));
+        if let Some(hz) = e.streams.attitude_hz {
             out.set("attitude-hz", hz);
         }
+        out.set("quaternion-hz", e.streams.quaternion_hz);
+        out.set("covariance-hz", e.streams.covariance_hz);
+        out.set("values-hz", e.streams.values_hz);
+        out.set("texts", e.streams.texts);
+        out.path("tlog", e.tlog.as_deref());
     }
     out.header("[dbus]");
     out.set(
@@ -149,12 +153,21 @@ impl Out {
         }
     }
 
+    fn path(&mut self, key: &str, path: Option<&Path>) {
+        path.into_iter().for_each(|p| self.set(key, string(&p.to_string_lossy())));
+    }
+
     fn line(&mut self, key: &str, line: Option<&LineSettings>) {
         if let Some(LineSettings { chip, line, active_low }) = line {
             let chip = string(chip);
             self.set(key, format_args!("{{ chip = {chip}, line = {line}, active-low = {active_low} }}"));
         }
     }
+}
+
+/// A system's id as the configuration spells it.
+fn id(id: Option<u8>) -> String {
+    id.map_or_else(|| string("auto"), |id| id.to_string())
 }
 
 /// A basic TOML string; control characters do not pass validation.

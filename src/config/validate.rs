@@ -86,13 +86,19 @@ fn faults(mut s: Section<'_>, d: FaultSettings) -> FaultSettings {
 }
 
 fn mavlink<'a>(mut s: Section<'a>, d: MavlinkSettings, findings: &Findings<'a>, rate_hz: f64) -> MavlinkSettings {
-    let mut id =
-        |key, default| s.integer(key, 1, 255, "1 to 255").and_then(|i| u8::try_from(i).ok()).unwrap_or(default);
-    let (system_id, component_id) = (id("system-id", d.system_id), id("component-id", d.component_id));
-    let sys_status = s.boolean("sys-status").unwrap_or(d.sys_status);
-    let endpoints = endpoint::read(&mut s, findings, rate_hz);
+    let id = |i: i64| u8::try_from(i).ok();
+    let settings = MavlinkSettings {
+        system_id: s.integer_or_auto("system-id", 1, 255, "1 to 255").and_then(id).or(d.system_id),
+        component_id: s.integer("component-id", 1, 255, "1 to 255").and_then(id).unwrap_or(d.component_id),
+        autopilot_id: s.integer_or_auto("autopilot-id", 1, 255, "1 to 255").and_then(id).or(d.autopilot_id),
+        aiding: s.boolean("aiding").unwrap_or(d.aiding),
+        yaw: s.boolean("yaw").unwrap_or(d.yaw),
+        sys_status: s.boolean("sys-status").unwrap_or(d.sys_status),
+        signing_key: s.path("signing-key", "a file of 32 bytes that only its owner may read").or(d.signing_key),
+        endpoints: endpoint::read(&mut s, findings, rate_hz),
+    };
     s.finish();
-    MavlinkSettings { system_id, component_id, sys_status, endpoints }
+    settings
 }
 
 fn dbus(mut s: Section<'_>, d: DbusSettings) -> DbusSettings {

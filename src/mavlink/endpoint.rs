@@ -74,10 +74,7 @@ pub struct Endpoint {
 impl Endpoint {
     /// An endpoint whose socket is opened by the first [`tend`](Self::tend).
     pub fn new(address: EndpointAddress) -> Self {
-        let text = match &address {
-            EndpointAddress::UdpOut(to) => format!("udpout:{to}"),
-            EndpointAddress::UdpIn(at) => format!("udpin:{at}"),
-        };
+        let text = address.to_string();
         let stats = EndpointStats {
             address: text,
             sent: AtomicU64::new(0),
@@ -112,6 +109,7 @@ impl Endpoint {
             && match self.address {
                 EndpointAddress::UdpOut(_) => self.trouble != Some(Trouble::Refused),
                 EndpointAddress::UdpIn(_) => !self.peers.is_empty(),
+                _ => false,
             }
     }
 
@@ -138,6 +136,7 @@ impl Endpoint {
                     self.retry = now + RETRY;
                 }
             }
+            EndpointAddress::TcpOut(_) | EndpointAddress::TcpIn(_) | EndpointAddress::Serial { .. } => {}
             EndpointAddress::UdpIn(_) => {
                 for i in 0..self.peers.len() {
                     let Some(socket) = &self.socket else { return };
@@ -234,6 +233,7 @@ fn open(address: &EndpointAddress) -> Result<UdpSocket, Trouble> {
         EndpointAddress::UdpOut(SocketAddr::V4(_)) => (SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)), 0),
         EndpointAddress::UdpOut(SocketAddr::V6(_)) => (SocketAddr::from((Ipv6Addr::UNSPECIFIED, 0)), 0),
         EndpointAddress::UdpIn(at) => (*at, at.port()),
+        _ => return Err(Trouble::Other(0)),
     };
     let open = || -> Result<UdpSocket, Error> {
         let socket = UdpSocket::bind(bind)?;

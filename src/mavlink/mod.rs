@@ -4,13 +4,17 @@
 //! - [`session`]: which messages are due when; pure.
 //! - [`decimator`]: a slower stream out of a faster one; pure.
 //! - [`encode`]: messages as bytes, numbered.
+//! - [`deframe`]: whole messages out of bytes, whatever is between them; pure.
+//! - [`heard`]: those of them that are heeded; pure.
 //! - [`trouble`]: what can go wrong with an endpoint, in words.
 //! - [`endpoint`]: the UDP sockets, with their statistics.
 //! - [`publisher`]: the thread that ties them to the shared state.
 
 pub mod decimator;
+pub mod deframe;
 pub mod encode;
 pub mod endpoint;
+pub mod heard;
 pub mod messages;
 pub mod publisher;
 pub mod session;

@@ -80,22 +80,23 @@ impl Link {
 
 /// The links that `wanted` asks for, for what comes after frame `sequence`; those of `old` whose address stays go on.
 fn link(now: Time, sequence: u64, wanted: &Wanted, mut old: Vec<Link>) -> Vec<Link> {
-    let MavlinkSettings { system_id, component_id, sys_status, endpoints } = &wanted.settings;
+    let MavlinkSettings { system_id, component_id, sys_status, endpoints, .. } = &wanted.settings;
+    let system_id = system_id.unwrap_or(1);
     // Sockets that are no longer wanted are closed before others are opened.
     old.retain(|l| endpoints.iter().any(|e| e.address == *l.endpoint.address()));
     let mut links = Vec::with_capacity(endpoints.len());
     for settings in endpoints {
-        let session = Session::new(now, sequence, settings.attitude_hz).with_sys_status(*sys_status);
+        let session = Session::new(now, sequence, settings.streams.attitude_hz).with_sys_status(*sys_status);
         let kept = old.iter().position(|l| *l.endpoint.address() == settings.address).map(|i| old.swap_remove(i));
         links.push(match kept {
             Some(Link { endpoint, mut encoder, .. }) => {
-                encoder.identify(*system_id, *component_id);
+                encoder.identify(system_id, *component_id);
                 Link { endpoint, encoder, session, next_tend: now }
             }
             None => {
                 let mut endpoint = Endpoint::new(settings.address.clone());
                 endpoint.tend(now, |_datagram| {});
-                Link { endpoint, encoder: Encoder::new(*system_id, *component_id), session, next_tend: now }
+                Link { endpoint, encoder: Encoder::new(system_id, *component_id), session, next_tend: now }
             }
         });
     }
