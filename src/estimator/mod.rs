@@ -37,6 +37,9 @@ use crate::attitude::{Attitude, Hint};
 use crate::frame::Frame;
 use field::MAX_SENSORS;
 
+/// What a level pair of 90° shows for a radian of tilt, as a share of the contrast.
+pub const PAIR_SLOPE: f64 = 1.1;
+
 /// Whether a method makes use of a sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Standing {

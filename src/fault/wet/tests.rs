@@ -2,6 +2,7 @@
 
 use super::super::kit::{frame, seen, told, value};
 use super::*;
+use crate::estimator::{Hearing, Standing};
 
 const WET: usize = 3;
 const OWN_C: f64 = 24.0;
