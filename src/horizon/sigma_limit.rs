@@ -39,10 +39,11 @@ impl SigmaLimit {
         self.debounce.update(!known || self.worst_deg > limit_deg, now) != State::Active
     }
 
-    /// Adds to `faults` what may not be given, in the vocabulary's order.
+    /// Adds to `faults` what may not be given, in the vocabulary's order. A wet sensor is reason enough.
     pub fn report(&self, faults: &mut Vec<ActiveFault>) {
         let kind = FaultKind::Obstructed;
-        if self.debounce.is_active() && !faults.iter().any(|f| f.kind == kind) {
+        let told = |f: &ActiveFault| f.kind == kind || matches!(f.kind, FaultKind::WetSensor(_));
+        if self.debounce.is_active() && !faults.iter().any(told) {
             let evidence = Evidence::Limit { value: self.worst_deg, limit: self.limit_deg, unit: "°" };
             let place = faults.iter().position(|f| f.kind > kind).unwrap_or(faults.len());
             faults.insert(place, ActiveFault { kind, since: self.debounce.since(), evidence });

@@ -74,6 +74,6 @@ impl FieldEstimator {
         let (expected_k, apart_k) = self.witnesses.of(i);
         let standing = if self.is_stuck[i] { Standing::Stuck } else { self.witnesses.standing(i) };
         let residual_k = if standing == Standing::Heard { self.residual_k(i) } else { apart_k };
-        Hearing { standing, expected_k, residual_k }
+        Hearing { standing, expected_k, residual_k, lost: self.witnesses.lost(i) }
     }
 }

@@ -10,6 +10,7 @@
 //! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves;
 //! - `doubt`: a scene that is found not to be alike all around;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
+//! - `unheard`: what a sensor left out might have been right about;
 //! - `output`: angles, standard deviations, the underestimation guard.
 
 mod adapt;
@@ -27,6 +28,7 @@ mod start;
 mod state;
 mod stuck;
 mod tuning;
+mod unheard;
 mod witness;
 
 pub use state::MAX_SENSORS;
@@ -161,8 +163,10 @@ impl FieldEstimator {
             let roll = own.roll.hypot(doubt / attitude.pitch.cos().max(0.2));
             Attitude { roll: poor * roll, pitch: poor * own.pitch.hypot(doubt) }
         };
+        let unheard = self.unheard(attitude);
         // Angles are shown larger by the least doubt: more of it may as well be on the other side.
         let (guarded, sigma) = (doubted(least_k), doubted(most_k));
+        let sigma = Attitude { roll: sigma.roll.hypot(unheard.roll), pitch: sigma.pitch.hypot(unheard.pitch) };
         attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);
         attitude.pitch = guard(attitude.pitch, guarded.pitch, std::f64::consts::FRAC_PI_2);
         Solution {

@@ -5,13 +5,10 @@ use crate::fault::debounce::Debounce;
 use crate::fault::{ActiveFault, Evidence, FaultKind};
 use crate::time::Time;
 
-/// Shares are averaged over this time, s; what a sensor follows of what it should show, over that one.
+/// Shares are averaged over this time, s.
 const SHARE_S: f64 = 0.5;
-const FOLLOWS_S: f64 = 4.0;
 /// What it should show must differ from its own temperature by so much for a share to be seen, K.
 const APART_K: f64 = 3.0;
-/// What it should show must change by so much, K rms, to see what it follows.
-const CHANGES_K: f64 = 0.7;
 /// Seconds for which it must be seen, and must be gone; for one that the others contradict without any film seen.
 const LASTS_S: (f64, f64) = (0.5, 1.0);
 const CONTRADICTED_S: f64 = 8.0;
@@ -25,8 +22,8 @@ const HYSTERESIS: f64 = 0.6;
 pub struct Film {
     /// The share of its own temperature in what it shows.
     share: Option<f64>,
-    /// Weights, means, and the second moments of what it should show and shows.
-    sums: [f64; 5],
+    /// How much it does not follow of what it should show.
+    lost: Option<f64>,
     /// How long it has been left out, s.
     out_s: f64,
     residual_k: f64,
@@ -35,7 +32,7 @@ pub struct Film {
 
 impl Default for Film {
     fn default() -> Self {
-        Self { share: None, sums: [0.0; 5], out_s: 0.0, residual_k: 0.0, wet: Debounce::new(LASTS_S.0, LASTS_S.1) }
+        Self { share: None, lost: None, out_s: 0.0, residual_k: 0.0, wet: Debounce::new(LASTS_S.0, LASTS_S.1) }
     }
 }
 
@@ -44,7 +41,7 @@ impl Film {
     pub fn see(&mut self, shown_c: f64, own_c: Option<f64>, hearing: &Hearing, dt_s: f64) {
         let doubted = matches!(hearing.standing, Standing::LeftOut | Standing::Doubted);
         let Some(expected) = hearing.expected_k.filter(|e| doubted && e.is_finite()) else {
-            (self.share, self.sums, self.out_s) = (None, [0.0; 5], 0.0);
+            (self.share, self.lost, self.out_s) = (None, None, 0.0);
             return;
         };
         self.residual_k = shown_c - expected;
@@ -58,25 +55,12 @@ impl Film {
             let before = self.share.unwrap_or(share);
             self.share = Some(before - (-dt_s / SHARE_S).exp_m1() * (share - before));
         }
-        let keep = (-dt_s / FOLLOWS_S).exp();
-        let sample = [1.0, expected, shown_c, expected * expected, expected * shown_c];
-        self.sums.iter_mut().zip(sample).for_each(|(s, x)| *s = keep * *s + (1.0 - keep) * x);
-    }
-
-    /// How much it does not follow of what it should show, where that has changed.
-    fn lost(&self) -> Option<f64> {
-        let [w, e, z, ee, ez] = self.sums;
-        if w < 0.2 {
-            return None;
-        }
-        let [e, z, ee, ez] = [e / w, z / w, ee / w, ez / w];
-        let changes = ee - e * e;
-        (changes > CHANGES_K * CHANGES_K).then(|| 1.0 - (ez - e * z) / changes)
+        self.lost = hearing.lost;
     }
 
     /// How much of a film there is by what is known: its own temperature, else what it does not follow.
     fn film(&self) -> Option<f64> {
-        self.share.or(self.lost())
+        self.share.or(self.lost)
     }
 
     /// Decides, with the share of a film from which it is wet, 0..1.

@@ -32,7 +32,7 @@ impl Flight {
             let mut shown_c = [3.0; 6];
             shown_c[WET] = film * OWN_C + (1.0 - film) * due_c;
             let mut solution = seen(30.0);
-            solution.sensors[WET] = Hearing { standing, expected_k: Some(due_c), residual_k: None };
+            solution.sensors[WET] = Hearing { standing, expected_k: Some(due_c), residual_k: None, lost: Some(film) };
             self.wet.update(&frame(self.time_s, &shown_c, own_c), &solution, 2.0);
         }
     }

@@ -1,6 +1,7 @@
 //! What speaks against one sensor.
 
 use super::filter::Testimony;
+use super::follow::Follow;
 use crate::estimator::Standing;
 
 /// From this sum of surprises on a sensor is doubted.
@@ -34,6 +35,8 @@ pub struct Case {
     pub ahead: u8,
     pub expected_k: Option<f64>,
     pub residual_k: Option<f64>,
+    /// Whether it follows what it should show, since it is not heard.
+    follow: Follow,
     near_s: f64,
     /// What it should have shown meanwhile, least and most.
     near_k: Option<(f64, f64)>,
@@ -58,6 +61,11 @@ impl Case {
         let expected = testimony.expected[i];
         self.expected_k = Some(expected);
         self.residual_k = reading.map(|r| r - expected);
+        if self.standing == Standing::Heard {
+            self.follow = Follow::default();
+        } else {
+            reading.into_iter().for_each(|r| self.follow.update(expected, r, dt_s));
+        }
         let apart_k = APART.0.max(APART.1 * contrast).max(APART.2 * testimony.sigma_k[i]);
         let far = self.residual_k.is_none_or(|r| r.abs() > apart_k);
         (self.near_s, self.near_k) = match self.near_k {
@@ -72,6 +80,11 @@ impl Case {
         self.guilty = self.residual_k.is_some_and(|r| r.abs() > guilty_k);
         self.others_fit += -(-dt_s / FIT_S).exp_m1() * (testimony.squared - self.others_fit);
         self.doubted_s = if self.standing == Standing::Doubted { self.doubted_s + dt_s } else { 0.0 };
+    }
+
+    /// How much it does not follow of what it should show, 0..1, where that has changed since it is not heard.
+    pub fn lost(&self) -> Option<f64> {
+        self.follow.lost()
     }
 
     /// Whether it is left out and may be heard again.

@@ -5,11 +5,12 @@
 //! it are surprised, and the one that does not is not: the sums of their surprises tell which sensor that is, and
 //! what it should show.
 //!
-//! - `filter`: a witness; `case`: what speaks against one sensor; `other`: what else there is to blame;
+//! - `filter`: a witness; `case`: what speaks against one sensor; `follow`: whether it follows what it should show; `other`: what else there is to blame;
 //! - `judge`: from surprises to standings.
 
 mod case;
 mod filter;
+mod follow;
 mod judge;
 mod other;
 
@@ -94,6 +95,12 @@ impl Witnesses {
     /// What the others say that sensor `i` should show, and what it shows more, K.
     pub fn of(&self, i: usize) -> (Option<f64>, Option<f64>) {
         (self.cases[i].expected_k, self.cases[i].residual_k)
+    }
+
+    /// How much sensor `i` does not follow of what it should show, 0..1; where it is heard, or nothing has changed, nobody
+    /// knows.
+    pub fn lost(&self, i: usize) -> Option<f64> {
+        self.cases[i].lost()
     }
 
     /// Begins anew with the next step; what was left out stays so.
