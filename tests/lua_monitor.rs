@@ -54,6 +54,7 @@ scenarios! {
     the_clock_wraps
     withheld_by_quality
     withheld_by_status
+    withheld_though_sent
 }
 
 #[test]

@@ -41,7 +41,7 @@ end
 function Flight:send()
     local v, s, c, version = self.v, self.system, self.component, self.version
     self.sent = (self.sent or 0) + 5
-    if self.sent % (1000 // self.hz) == 0 and self.quality > 0 then
+    if self.sent % (1000 // self.hz) == 0 and (self.quality > 0 or self.regardless) then
         self:arrive(frames.attitude(version, s, c, v.ms, self.roll, self.pitch))
     end
     if self.sent % 1000 == 0 then

@@ -127,6 +127,16 @@ function scenarios.withheld_by_quality()
     f:says("6 IRH: horizon feed good")
 end
 
+function scenarios.withheld_though_sent()
+    local f = airborne()
+    f.v.parameters.IRH_QUAL = 0
+    f.quality, f.regardless = 0, true
+    f:fly(1)
+    f:ekf(40, 0)
+    f:fly(30)
+    f:says("4 IRH: horizon withheld")
+end
+
 function scenarios.withheld_by_status()
     -- As with on-fault = "level": ATTITUDE goes on, and means nothing.
     local f = airborne()
@@ -189,6 +199,11 @@ function scenarios.on_the_ground()
     f.feeding = false
     f:fly(20)
     f:says("6 IRH: horizon withheld", "6 IRH: horizon feed lost")
+    f.feeding = true
+    f:ekf(0, 0)
+    f.v.armed, f.v.flying = true, true -- a new flight knows nothing of the difference in the last
+    f:fly(20)
+    f:says("6 IRH: horizon feed good")
 end
 
 function scenarios.nothing_heard()
