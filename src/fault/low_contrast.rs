@@ -37,6 +37,11 @@ impl LowContrast {
         }
     }
 
+    /// Another least limit, K, and another accuracy wanted, rad.
+    pub fn retune(&mut self, least_k: f64, accuracy: f64) {
+        (self.least_k, self.accuracy) = (least_k, accuracy);
+    }
+
     /// The contrast below which there is no attitude, K.
     pub fn limit_k(&self) -> f64 {
         self.least_k.max(self.noise.pair_k(&self.head) / (PAIR_SLOPE * self.accuracy))

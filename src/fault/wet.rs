@@ -35,6 +35,11 @@ impl WetSensors {
         }
     }
 
+    /// Another share of a film, 0..1.
+    pub fn retune(&mut self, limit: f64) {
+        self.limit = limit;
+    }
+
     /// Takes in a frame and what the method makes of it; `low_k` is the contrast below which it is low.
     pub fn update(&mut self, frame: &Frame, solution: &Solution, low_k: f64) {
         let now_s = frame.time.as_secs_f64();

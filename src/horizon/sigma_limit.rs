@@ -30,6 +30,11 @@ impl SigmaLimit {
         Self { limit_deg, worst_deg: 0.0, debounce: Debounce::new(ON_AFTER_S, OFF_AFTER_S) }
     }
 
+    /// Another limit, °.
+    pub fn retune(&mut self, limit_deg: f64) {
+        self.limit_deg = limit_deg;
+    }
+
     /// Takes in an attitude with its standard deviations, rad; whether it may be given.
     pub fn update(&mut self, attitude: Attitude, sigma: Attitude, now: Time) -> bool {
         let worst_deg = (sigma.roll * attitude.pitch.cos()).abs().max(sigma.pitch.abs()).to_degrees();
