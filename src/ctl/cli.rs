@@ -1,6 +1,7 @@
 //! The words of the command line.
 
 use super::recording_args::{PlotCommand, RecordingArgs, ScoreArgs};
+use super::setup_args::{Shell, WaitArgs};
 use crate::config::settings::BusAddress;
 use crate::simulation::Fault;
 use crate::simulation::scenario::{self, LIST};
@@ -44,6 +45,9 @@ pub enum Command {
         #[arg(long, value_enum, default_value_t)]
         format: SensorsFormat,
     },
+    /// Wait until the daemon gives attitude
+    #[command(after_help = WaitArgs::EXIT_CODES)]
+    WaitReady(WaitArgs),
     /// Check a configuration file and its drop-ins
     Validate {
         /// The file
@@ -66,6 +70,12 @@ pub enum Command {
     /// Draw a recording, its errors, or the report's figures as SVG
     #[command(subcommand)]
     Plot(PlotCommand),
+    /// Print a shell's completions of this command line
+    Completions {
+        /// The shell
+        #[arg(value_enum)]
+        shell: Shell,
+    },
 }
 
 /// How `status` speaks.
@@ -191,7 +201,7 @@ fn size(text: &str) -> Result<(u16, u16), String> {
     }
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(s) if s > 0.0 && s <= 1e9 => Ok(s),
         _ => Err("expected seconds, more than 0".to_owned()),

@@ -29,6 +29,16 @@ pub enum CtlError {
     /// The daemon refuses a stream of frames.
     #[error("{}", chain(&**.0))]
     NoFrames(Cause),
+    /// The daemon was not ready in time.
+    #[error("not ready after {seconds} s: mode {mode}{}; see irhorizonctl status, irhorizonctl doctor", because(.faults))]
+    NotReady {
+        /// How long was waited.
+        seconds: f64,
+        /// The mode at the end.
+        mode: String,
+        /// The names of the active faults.
+        faults: Vec<String>,
+    },
     /// The stream of frames ended before the user ended it.
     #[error("the daemon ended the stream of frames after {rows} rows; what was recorded until there is whole")]
     StreamEnded {
@@ -129,6 +139,10 @@ pub enum CtlError {
 
 fn kept(rows: Option<u64>) -> String {
     rows.map(|n| format!("; the file ends whole after {n} rows")).unwrap_or_default()
+}
+
+fn because(faults: &[String]) -> String {
+    if faults.is_empty() { String::new() } else { format!(" ({})", faults.join(", ")) }
 }
 
 fn between(times_s: Option<(f64, f64)>) -> String {

@@ -7,6 +7,8 @@
 //! - [`error`]: what goes wrong, and the exit codes.
 //! - [`status`], [`prometheus`], [`sensors`]: the state as text; [`advice`]: what to do about a fault.
 //! - [`watch`]: the live horizon.
+//! - [`setup_args`]: the words of the commands that set a head up and look after it.
+//! - [`wait`]: until attitude is given.
 //! - [`trim`]: the head's trim as configuration.
 //! - [`simulate`]: recordings of flights that never were.
 //! - [`record`], [`replay`]: recordings out of the daemon, and through its pipeline.
@@ -30,11 +32,13 @@ pub mod replay;
 mod run;
 pub mod score;
 pub mod sensors;
+pub mod setup_args;
 mod signals;
 pub mod simulate;
 pub mod status;
 pub mod trim;
 pub mod view;
+pub mod wait;
 pub mod watch;
 
 pub use run::{main, run};
