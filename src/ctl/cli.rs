@@ -1,7 +1,7 @@
 //! The words of the command line.
 
 use super::recording_args::{PlotCommand, RecordingArgs, ScoreArgs};
-use super::setup_args::{Shell, WaitArgs};
+use super::setup_args::{DoctorArgs, Shell, WaitArgs};
 use crate::config::settings::BusAddress;
 use crate::simulation::Fault;
 use crate::simulation::scenario::{self, LIST};
@@ -45,6 +45,9 @@ pub enum Command {
         #[arg(long, value_enum, default_value_t)]
         format: SensorsFormat,
     },
+    /// Find out what is wrong with an installation, and what to do next
+    #[command(after_help = DoctorArgs::EXIT_CODES)]
+    Doctor(DoctorArgs),
     /// Wait until the daemon gives attitude
     #[command(after_help = WaitArgs::EXIT_CODES)]
     WaitReady(WaitArgs),

@@ -8,6 +8,7 @@
 //! - [`status`], [`prometheus`], [`sensors`]: the state as text; [`advice`]: what to do about a fault.
 //! - [`watch`]: the live horizon.
 //! - [`setup_args`]: the words of the commands that set a head up and look after it.
+//! - [`doctor`]: what is wrong with an installation, and the next step.
 //! - [`wait`]: until attitude is given.
 //! - [`trim`]: the head's trim as configuration.
 //! - [`simulate`]: recordings of flights that never were.
@@ -20,6 +21,7 @@ pub mod advice;
 mod answer;
 pub mod cli;
 pub mod client;
+pub mod doctor;
 pub mod error;
 pub mod kit;
 mod name;

@@ -4,7 +4,7 @@ use super::cli::{Cli, Command, SensorsFormat, StatusFormat};
 use super::error::{CtlError, EXIT_FAILED, EXIT_OK, EXIT_USAGE, chain};
 use super::kit::Kit;
 use super::view::Status;
-use super::{plot, prometheus, record, replay, score, sensors, signals, simulate, status, trim, wait, watch};
+use super::{doctor, plot, prometheus, record, replay, score, sensors, signals, simulate, status, trim, wait, watch};
 use crate::config::settings::BusAddress;
 use crate::sensor::schedule::Schedule;
 use clap::error::ErrorKind;
@@ -62,6 +62,7 @@ fn dispatch(cli: &Cli, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> R
             print(out, &text)?;
         }
         Command::Watch(args) => watch::command(*args, &cli.bus, kit, &*stop_flag()?, out, err)?,
+        Command::Doctor(args) => return doctor::command(args, &cli.bus, kit, out),
         Command::WaitReady(args) => wait::command(args, &cli.bus, kit)?,
         Command::Validate { file, show } => return validate(file, *show, kit, out, err),
         Command::Trim(args) => trim::command(args, ask(&cli.bus, kit)?.trim, out, err)?,

@@ -1,6 +1,24 @@
 //! The words of the commands that set a head up and look after it.
 
+use super::cli::DEFAULT_CONFIG;
 use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Arguments of `doctor`.
+#[derive(Clone, Debug, Args)]
+pub struct DoctorArgs {
+    /// The configuration
+    #[arg(default_value = DEFAULT_CONFIG)]
+    pub file: PathBuf,
+    /// One JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl DoctorArgs {
+    /// What its exit codes mean.
+    pub const EXIT_CODES: &str = "Exit codes: 0 no failure, be there warnings or not; 1 a failure.";
+}
 
 /// Arguments of `wait-ready`.
 #[derive(Clone, Copy, Debug, Args)]
