@@ -11,6 +11,8 @@ use irhorizon::config::settings::BusAddress;
 use irhorizon::config::{Loaded, parse};
 use irhorizon::ctl::doctor::facts::{Facts, Lateness, Line, Node, Seen, Service, Silence};
 use irhorizon::ctl::doctor::{Check, Verdict, findings, report};
+use irhorizon::ctl::kit::Kit;
+use irhorizon::ctl::run;
 use irhorizon::ctl::view::{Endpoint, Fault, Sensor, Status};
 use process::{CTL, Daemon, Folder};
 use proptest::prelude::*;
@@ -347,24 +349,36 @@ fn a_daemon_that_flies_a_simulation_is_well() {
     for line in [
         "ok    attitude: nominal, σ ",
         "ok    dbus org.irhorizon1: irhorizond ",
-        "-     answers: the flight is simulated",
+        "-     permissions, bus, adapter, gpio, answers: the flight is simulated",
     ] {
         assert!(said.lines().any(|l| l.starts_with(line)), "{line:?} is not in\n{said}");
     }
 }
 
+/// What doctor says in JSON of a machine on which nothing is plugged in, and its exit code.
+fn nothing_plugged_in(kit: &Kit) -> (u8, serde_json::Value) {
+    let folder = Folder::new();
+    let file = folder.write("irhorizon.toml", six().replace("/dev/i2c-1", "/dev/i2c-none")).display().to_string();
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let args = ["irhorizonctl", "--bus", "unix:path=/nonexistent/bus", "doctor", "--json", &file];
+    let code = run(args, kit, &mut out, &mut err);
+    assert!(err.is_empty());
+    (code, serde_json::from_slice(&out).unwrap())
+}
+
 #[test]
 fn a_machine_without_a_bus_is_told_so() {
-    let folder = Folder::new();
-    let file = folder.write("irhorizon.toml", six().replace("/dev/i2c-1", "/dev/i2c-none"));
-    let output = doctor("unix:path=/nonexistent/bus", &["--json", &file.display().to_string()]);
-    assert_eq!(output.status.code(), Some(1));
-    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let (code, value) = nothing_plugged_in(&Kit { daemon_process: || None, ..Kit::REAL });
     let of = |check: &str| value["findings"].as_array().unwrap().iter().find(|f| f["check"] == check).unwrap().clone();
-    assert_eq!(of("configuration")["verdict"], "ok");
-    // Another daemon may be at work on this machine, by another test.
-    if of("bus")["verdict"] != "skipped" {
-        assert_eq!((&of("bus")["verdict"], &of("bus")["on"]), (&"fail".into(), &"/dev/i2c-none".into()));
-        assert_eq!(of("answers")["on"], "nose, tail, left, right, up, down");
-    }
+    assert_eq!((code, &of("configuration")["verdict"]), (1, &"ok".into()));
+    assert_eq!((&of("bus")["verdict"], &of("bus")["on"]), (&"fail".into(), &"/dev/i2c-none".into()));
+    assert_eq!(of("answers")["on"], "nose, tail, left, right, up, down");
+}
+
+#[test]
+fn a_daemon_that_does_not_answer_keeps_its_hardware_to_itself() {
+    let (code, value) = nothing_plugged_in(&Kit { daemon_process: || Some(812), ..Kit::REAL });
+    let found = value["findings"].as_array().unwrap();
+    let touched = found.iter().any(|f| f["check"] == "bus" && f["verdict"] != "skipped");
+    assert!(code == 0 && !touched && value.to_string().contains("pid 812"), "{value}");
 }

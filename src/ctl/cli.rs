@@ -1,7 +1,7 @@
 //! The words of the command line.
 
 use super::recording_args::{PlotCommand, RecordingArgs, ScoreArgs};
-use super::setup_args::{DoctorArgs, Shell, WaitArgs};
+use super::setup_args::{CalibrateArgs, DoctorArgs, SetAddressArgs, Shell, WaitArgs};
 use crate::config::settings::BusAddress;
 use crate::simulation::Fault;
 use crate::simulation::scenario::{self, LIST};
@@ -62,6 +62,10 @@ pub enum Command {
     },
     /// Say the head's trim, with what was learnt in flight, as lines of configuration
     Trim(TrimArgs),
+    /// Measure what the head shows when level, or a pair when it sees no difference, and save it
+    Calibrate(CalibrateArgs),
+    /// Give the one MLX90614 on a bus another address
+    SetAddress(SetAddressArgs),
     /// Record the daemon's frames as CSV, until Ctrl-C
     Record(RecordArgs),
     /// Run a recording through the daemon's own estimator
@@ -120,7 +124,7 @@ pub struct WatchArgs {
 /// Arguments of `trim`.
 #[derive(Clone, Debug, Args)]
 pub struct TrimArgs {
-    /// Write the lines to a file, such as /etc/irhorizon/irhorizon.toml.d/trim.toml
+    /// Write the lines to a file, such as /etc/irhorizon/irhorizon.toml.d/50-trim.toml
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
     /// Overwrite the file when it is there already
@@ -192,6 +196,9 @@ fn bus(text: &str) -> Result<BusAddress, String> {
         "system" => Ok(BusAddress::System),
         "session" => Ok(BusAddress::Session),
         address if address.contains(':') => Ok(BusAddress::Address(address.to_owned())),
+        device if device.starts_with("/dev/") => {
+            Err("this is the D-Bus bus: system, session, or an address; an I2C bus is --i2c-bus".to_owned())
+        }
         _ => Err("expected system, session, or an address such as unix:path=/run/bus".to_owned()),
     }
 }

@@ -1,6 +1,8 @@
 //! What goes wrong, in one line with the next step, and the exit codes.
 
+use super::calibrate::CalibrateError;
 use super::kit::{Cause, DaemonError};
+use super::set_address::SetAddressError;
 use crate::recording::ReadError;
 use crate::simulation::FaultError;
 use std::error::Error;
@@ -29,6 +31,12 @@ pub enum CtlError {
     /// The daemon refuses a stream of frames.
     #[error("{}", chain(&**.0))]
     NoFrames(Cause),
+    /// An address was not changed.
+    #[error(transparent)]
+    SetAddress(#[from] SetAddressError),
+    /// Nothing was calibrated.
+    #[error(transparent)]
+    Calibrate(#[from] CalibrateError),
     /// The daemon was not ready in time.
     #[error("not ready after {seconds} s: mode {mode}{}; see irhorizonctl status, irhorizonctl doctor", because(.faults))]
     NotReady {

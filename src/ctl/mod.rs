@@ -9,6 +9,8 @@
 //! - [`watch`]: the live horizon.
 //! - [`setup_args`]: the words of the commands that set a head up and look after it.
 //! - [`doctor`]: what is wrong with an installation, and the next step.
+//! - [`set_address`]: another address for an MLX90614.
+//! - [`calibrate`]: trims and neutral voltages measured; [`save`]: files that no power cut leaves torn.
 //! - [`wait`]: until attitude is given.
 //! - [`trim`]: the head's trim as configuration.
 //! - [`simulate`]: recordings of flights that never were.
@@ -19,6 +21,7 @@
 
 pub mod advice;
 mod answer;
+pub mod calibrate;
 pub mod cli;
 pub mod client;
 pub mod doctor;
@@ -32,8 +35,10 @@ pub mod record;
 pub mod recording_args;
 pub mod replay;
 mod run;
+pub mod save;
 pub mod score;
 pub mod sensors;
+pub mod set_address;
 pub mod setup_args;
 mod signals;
 pub mod simulate;

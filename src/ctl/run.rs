@@ -4,7 +4,10 @@ use super::cli::{Cli, Command, SensorsFormat, StatusFormat};
 use super::error::{CtlError, EXIT_FAILED, EXIT_OK, EXIT_USAGE, chain};
 use super::kit::Kit;
 use super::view::Status;
-use super::{doctor, plot, prometheus, record, replay, score, sensors, signals, simulate, status, trim, wait, watch};
+use super::{
+    calibrate, doctor, plot, prometheus, record, replay, score, sensors, set_address, signals, simulate, status, trim,
+    wait, watch,
+};
 use crate::config::settings::BusAddress;
 use crate::sensor::schedule::Schedule;
 use clap::error::ErrorKind;
@@ -66,6 +69,8 @@ fn dispatch(cli: &Cli, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> R
         Command::WaitReady(args) => wait::command(args, &cli.bus, kit)?,
         Command::Validate { file, show } => return validate(file, *show, kit, out, err),
         Command::Trim(args) => trim::command(args, ask(&cli.bus, kit)?.trim, out, err)?,
+        Command::Calibrate(args) => calibrate::command(args, &cli.bus, kit, out, err)?,
+        Command::SetAddress(args) => set_address::command(args, &cli.bus, kit, out)?,
         Command::Record(args) => record::command(args, &cli.bus, kit, &*stop_flag()?, out, err)?,
         Command::Replay(args) => replay::command(args, kit, out, err)?,
         Command::Simulate(args) => simulate::command(args, out, err)?,

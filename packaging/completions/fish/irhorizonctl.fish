@@ -30,9 +30,12 @@ complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -s V -l version 
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "status" -d 'Say what the daemon says: attitude, mode, faults with their evidence'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "watch" -d 'Show the live horizon in the terminal (q to quit)'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "sensors" -d 'List the sensors: readings, states, checks, errors'
+complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "doctor" -d 'Find out what is wrong with an installation, and what to do next'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "wait-ready" -d 'Wait until the daemon gives attitude'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "validate" -d 'Check a configuration file and its drop-ins'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "trim" -d 'Say the head\'s trim, with what was learnt in flight, as lines of configuration'
+complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "calibrate" -d 'Measure what the head shows when level, or a pair when it sees no difference, and save it'
+complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "set-address" -d 'Give the one MLX90614 on a bus another address'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "record" -d 'Record the daemon\'s frames as CSV, until Ctrl-C'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "replay" -d 'Run a recording through the daemon\'s own estimator'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "simulate" -d 'Make up a recording: a flight under a scene, with its true attitude'
@@ -54,6 +57,9 @@ complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand sensors" -l fo
 json\t'A JSON array'"
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand sensors" -l bus -d 'The D-Bus bus the daemon is on: system, session, or an address such as unix:path=/run/bus' -r
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand sensors" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand doctor" -l bus -d 'The D-Bus bus the daemon is on: system, session, or an address such as unix:path=/run/bus' -r
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand doctor" -l json -d 'One JSON object'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand doctor" -s h -l help -d 'Print help'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand wait-ready" -l timeout -d 'How long to wait; 0: one look' -r
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand wait-ready" -l mode -d 'What counts as ready' -r -f -a "nominal\t'Attitude, and nothing wrong'
 degraded\t'Attitude, be it degraded'"
@@ -62,10 +68,22 @@ complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand wait-ready" -s
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand validate" -l bus -d 'The D-Bus bus the daemon is on: system, session, or an address such as unix:path=/run/bus' -r
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand validate" -l show -d 'Print the configuration that results'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand validate" -s h -l help -d 'Print help'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand trim" -l save -d 'Write the lines to a file, such as /etc/irhorizon/irhorizon.toml.d/trim.toml' -r -F
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand trim" -l save -d 'Write the lines to a file, such as /etc/irhorizon/irhorizon.toml.d/50-trim.toml' -r -F
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand trim" -l bus -d 'The D-Bus bus the daemon is on: system, session, or an address such as unix:path=/run/bus' -r
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand trim" -l force -d 'Overwrite the file when it is there already'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand trim" -s h -l help -d 'Print help'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand calibrate" -l config -d 'The configuration whose drop-ins it is saved among' -r -F
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand calibrate" -l seconds -d 'How long to average' -r
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand calibrate" -l bus -d 'The D-Bus bus the daemon is on: system, session, or an address such as unix:path=/run/bus' -r
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand calibrate" -l dry-run -d 'Say what would be saved, and save nothing'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand calibrate" -l undo -d 'Bring back what held before the last one'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand calibrate" -l yes -d 'Ask nothing'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand calibrate" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand set-address" -l i2c-bus -d 'The bus that it is on, alone among MLX90614' -r -F
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand set-address" -l bus -d 'The D-Bus bus the daemon is on: system, session, or an address such as unix:path=/run/bus' -r
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand set-address" -l yes -d 'Ask nothing'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand set-address" -l no-read-pec -d 'Do not check what is read: for a part that is known to send a wrong PEC'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand set-address" -s h -l help -d 'Print help'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand record" -l seconds -d 'End after this many seconds' -r
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand record" -l bus -d 'The D-Bus bus the daemon is on: system, session, or an address such as unix:path=/run/bus' -r
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand record" -l force -d 'Overwrite the file when it is there already'
@@ -127,19 +145,22 @@ complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand plot; and __fi
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand plot; and __fish_seen_subcommand_from help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand completions" -l bus -d 'The D-Bus bus the daemon is on: system, session, or an address such as unix:path=/run/bus' -r
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand completions" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "status" -d 'Say what the daemon says: attitude, mode, faults with their evidence'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "watch" -d 'Show the live horizon in the terminal (q to quit)'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "sensors" -d 'List the sensors: readings, states, checks, errors'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "wait-ready" -d 'Wait until the daemon gives attitude'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "validate" -d 'Check a configuration file and its drop-ins'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "trim" -d 'Say the head\'s trim, with what was learnt in flight, as lines of configuration'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "record" -d 'Record the daemon\'s frames as CSV, until Ctrl-C'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "replay" -d 'Run a recording through the daemon\'s own estimator'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "simulate" -d 'Make up a recording: a flight under a scene, with its true attitude'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "score" -d 'Score methods of estimation against a recording\'s reference'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "plot" -d 'Draw a recording, its errors, or the report\'s figures as SVG'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "completions" -d 'Print a shell\'s completions of this command line'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors wait-ready validate trim record replay simulate score plot completions help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "status" -d 'Say what the daemon says: attitude, mode, faults with their evidence'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "watch" -d 'Show the live horizon in the terminal (q to quit)'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "sensors" -d 'List the sensors: readings, states, checks, errors'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "doctor" -d 'Find out what is wrong with an installation, and what to do next'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "wait-ready" -d 'Wait until the daemon gives attitude'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "validate" -d 'Check a configuration file and its drop-ins'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "trim" -d 'Say the head\'s trim, with what was learnt in flight, as lines of configuration'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "calibrate" -d 'Measure what the head shows when level, or a pair when it sees no difference, and save it'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "set-address" -d 'Give the one MLX90614 on a bus another address'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "record" -d 'Record the daemon\'s frames as CSV, until Ctrl-C'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "replay" -d 'Run a recording through the daemon\'s own estimator'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "simulate" -d 'Make up a recording: a flight under a scene, with its true attitude'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "score" -d 'Score methods of estimation against a recording\'s reference'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "plot" -d 'Draw a recording, its errors, or the report\'s figures as SVG'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "completions" -d 'Print a shell\'s completions of this command line'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and __fish_seen_subcommand_from plot" -f -a "flight" -d 'A flight over time: roll, pitch, contrast, mode, faults'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and __fish_seen_subcommand_from plot" -f -a "residuals" -d 'The errors of roll and pitch against the reference'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and __fish_seen_subcommand_from plot" -f -a "report" -d 'Figures 6 to 9 of the report MECSE-2-2007, from this program\'s own sky'

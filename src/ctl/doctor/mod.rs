@@ -17,6 +17,7 @@ mod wiring;
 
 pub use facts::Facts;
 pub use finding::{Check, Finding, Verdict};
+pub(super) use system::daemon_process;
 
 use super::error::{CtlError, EXIT_FAILED, EXIT_OK};
 use super::kit::Kit;

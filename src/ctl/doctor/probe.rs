@@ -40,7 +40,7 @@ pub fn gather(file: &Path, asked: &BusAddress, kit: &Kit) -> Facts {
         configuration,
         asked: asked.clone(),
         daemon,
-        process: system::daemon_process(root),
+        process: (kit.daemon_process)(),
         policy: system::policy(root),
         service: system::service(root),
         nodes: Vec::new(),

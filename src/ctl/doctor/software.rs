@@ -141,7 +141,8 @@ fn dbus(f: &Facts) -> Finding {
                 Check::Dbus.warn(NAME, evidence, format!("ask there: irhorizonctl {option} doctor"))
             }
             _ if f.process.is_some() => {
-                let evidence = format!("irhorizond runs, but not on {}", place(&f.asked));
+                let why = why.split_once(": ").map_or(why.as_str(), |(evidence, _)| evidence);
+                let evidence = format!("{why}, and yet one runs (pid {})", f.process.unwrap_or_default());
                 Check::Dbus.fail(NAME, evidence, "see why: journalctl -u irhorizond | grep D-Bus")
             }
             // The error tells what is missing and then what to do.
