@@ -44,6 +44,9 @@ pub trait Daemon {
 /// The daemon's own way from a frame to an estimate.
 pub type Pipeline = Box<dyn FnMut(&Frame, &mut Estimate)>;
 
+/// Opens an address on an I²C bus.
+pub type OpenBus = fn(&Path, u8) -> Result<Box<dyn PecBus>, BusError>;
+
 /// The parts.
 #[derive(Clone, Copy, Debug)]
 pub struct Kit {
@@ -59,8 +62,8 @@ pub struct Kit {
     pub defaults: fn() -> Result<Settings, Cause>,
     /// Builds the pipeline.
     pub pipeline: fn(&Settings, &Head) -> Pipeline,
-    /// Opens an address on an I²C bus.
-    pub open_bus: fn(&Path, u8) -> Result<Box<dyn PecBus>, BusError>,
+    /// Reaches the chips themselves.
+    pub open_bus: OpenBus,
     /// The process of a daemon that runs, whether it answers or not.
     pub daemon_process: fn() -> Option<u32>,
     /// Asks the user, and gives whether the answer was yes.

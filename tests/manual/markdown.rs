@@ -101,7 +101,7 @@ fn escaped_within(text: &str) -> String {
 
 /// A heading without marks.
 fn plain(text: &str) -> String {
-    text.replace('`', "").replace('"', "")
+    text.replace(['`', '"'], "")
 }
 
 /// A heading of the first order: in capitals, but a section of the configuration as it is spelt.

@@ -29,7 +29,7 @@ pub fn command(args: &SetAddressArgs, dbus: &BusAddress, kit: &Kit, out: &mut dy
     let (address, sensor) = the_one(args, &found)?;
     let new = args.new;
     if (address, u16::from(new)) == (new, sensor.cell & 0xFF) {
-        return print(out, &format!("it has that address already: nothing was written\n"));
+        return print(out, "it has that address already: nothing was written\n");
     }
     if found.iter().any(|f| f.address == new && f.address != address) {
         return Err(SetAddressError::Taken(new).into());
