@@ -13,7 +13,7 @@ pub enum CalibrateError {
     Withheld(String),
     /// It gives one that is not sure enough.
     #[error(
-        "the daemon's standard deviation is {sigma_deg:.1}°, more than {limit_deg}°: wait for more contrast, or a freer view"
+        "the daemon's standard deviation is {sigma_deg:.1}°, more than {limit_deg}°: wait a minute, or find a freer view"
     )]
     Uncertain {
         /// The larger one of roll and pitch, °.
