@@ -78,7 +78,7 @@ pub fn buses_under(root: &Path) -> Vec<String> {
 }
 
 /// The name that `id` has in a file of the form of `/etc/passwd` and `/etc/group`.
-fn name_of(file: &Path, id: u32) -> Option<String> {
+pub(crate) fn name_of(file: &Path, id: u32) -> Option<String> {
     let text = fs::read_to_string(file).ok()?;
     text.lines().find_map(|line| {
         let mut fields = line.split(':');

@@ -86,6 +86,23 @@ pub struct Counters {
 }
 
 impl Counters {
+    /// Each count with the name that D-Bus and reports give it.
+    pub const fn named(&self) -> [(&'static str, u64); 11] {
+        [
+            ("reads", self.reads),
+            ("retries", self.retries),
+            ("no-answer", self.no_answer),
+            ("bad-pec", self.bad_pec),
+            ("held", self.held),
+            ("other", self.other),
+            ("error-flag", self.error_flag),
+            ("out-of-range", self.out_of_range),
+            ("not-ready", self.not_ready),
+            ("reopened", self.reopened),
+            ("power-cycles", self.power_cycles),
+        ]
+    }
+
     /// Counts one failed transfer or rejected word.
     pub fn failed(&mut self, why: Missing) {
         let counter = match why {

@@ -1,6 +1,7 @@
 //! The words of the command line.
 
 use super::recording_args::{PlotCommand, RecordingArgs, ScoreArgs};
+use super::setup_args::{CalibrateArgs, DoctorArgs, SetAddressArgs, Shell, WaitArgs};
 use crate::config::settings::BusAddress;
 use crate::simulation::Fault;
 use crate::simulation::scenario::{self, LIST};
@@ -44,6 +45,12 @@ pub enum Command {
         #[arg(long, value_enum, default_value_t)]
         format: SensorsFormat,
     },
+    /// Find out what is wrong with an installation, and what to do next
+    #[command(after_help = DoctorArgs::EXIT_CODES)]
+    Doctor(DoctorArgs),
+    /// Wait until the daemon gives attitude
+    #[command(after_help = WaitArgs::EXIT_CODES)]
+    WaitReady(WaitArgs),
     /// Check a configuration file and its drop-ins
     Validate {
         /// The file
@@ -55,6 +62,10 @@ pub enum Command {
     },
     /// Say the head's trim, with what was learnt in flight, as lines of configuration
     Trim(TrimArgs),
+    /// Measure what the head shows when level, or a pair when it sees no difference, and save it
+    Calibrate(CalibrateArgs),
+    /// Give the one MLX90614 on a bus another address
+    SetAddress(SetAddressArgs),
     /// Record the daemon's frames as CSV, until Ctrl-C
     Record(RecordArgs),
     /// Run a recording through the daemon's own estimator
@@ -66,6 +77,12 @@ pub enum Command {
     /// Draw a recording, its errors, or the report's figures as SVG
     #[command(subcommand)]
     Plot(PlotCommand),
+    /// Print a shell's completions of this command line
+    Completions {
+        /// The shell
+        #[arg(value_enum)]
+        shell: Shell,
+    },
 }
 
 /// How `status` speaks.
@@ -107,7 +124,7 @@ pub struct WatchArgs {
 /// Arguments of `trim`.
 #[derive(Clone, Debug, Args)]
 pub struct TrimArgs {
-    /// Write the lines to a file, such as /etc/irhorizon/irhorizon.toml.d/trim.toml
+    /// Write the lines to a file, such as /etc/irhorizon/irhorizon.toml.d/50-trim.toml
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
     /// Overwrite the file when it is there already
@@ -179,6 +196,9 @@ fn bus(text: &str) -> Result<BusAddress, String> {
         "system" => Ok(BusAddress::System),
         "session" => Ok(BusAddress::Session),
         address if address.contains(':') => Ok(BusAddress::Address(address.to_owned())),
+        device if device.starts_with("/dev/") => {
+            Err("this is the D-Bus bus: system, session, or an address; an I2C bus is --i2c-bus".to_owned())
+        }
         _ => Err("expected system, session, or an address such as unix:path=/run/bus".to_owned()),
     }
 }
@@ -191,7 +211,7 @@ fn size(text: &str) -> Result<(u16, u16), String> {
     }
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(s) if s > 0.0 && s <= 1e9 => Ok(s),
         _ => Err("expected seconds, more than 0".to_owned()),

@@ -1,6 +1,8 @@
 //! What goes wrong, in one line with the next step, and the exit codes.
 
+use super::calibrate::CalibrateError;
 use super::kit::{Cause, DaemonError};
+use super::set_address::SetAddressError;
 use crate::recording::ReadError;
 use crate::simulation::FaultError;
 use std::error::Error;
@@ -29,6 +31,22 @@ pub enum CtlError {
     /// The daemon refuses a stream of frames.
     #[error("{}", chain(&**.0))]
     NoFrames(Cause),
+    /// An address was not changed.
+    #[error(transparent)]
+    SetAddress(#[from] SetAddressError),
+    /// Nothing was calibrated.
+    #[error(transparent)]
+    Calibrate(#[from] CalibrateError),
+    /// The daemon was not ready in time.
+    #[error("not ready after {seconds} s: mode {mode}{}; see irhorizonctl status, irhorizonctl doctor", because(.faults))]
+    NotReady {
+        /// How long was waited.
+        seconds: f64,
+        /// The mode at the end.
+        mode: String,
+        /// The names of the active faults.
+        faults: Vec<String>,
+    },
     /// The stream of frames ended before the user ended it.
     #[error("the daemon ended the stream of frames after {rows} rows; what was recorded until there is whole")]
     StreamEnded {
@@ -129,6 +147,10 @@ pub enum CtlError {
 
 fn kept(rows: Option<u64>) -> String {
     rows.map(|n| format!("; the file ends whole after {n} rows")).unwrap_or_default()
+}
+
+fn because(faults: &[String]) -> String {
+    if faults.is_empty() { String::new() } else { format!(" ({})", faults.join(", ")) }
 }
 
 fn between(times_s: Option<(f64, f64)>) -> String {

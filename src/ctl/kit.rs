@@ -1,16 +1,21 @@
 //! What the commands are given: the daemon, the configuration, the pipeline. Tests give their own.
 
 use super::client::{Client, ClientError};
+use super::doctor;
 use super::view::Status;
 use crate::attitude::Estimate;
+use crate::bus::linux::LinuxBus;
+use crate::bus::{BusError, PecBus};
 use crate::config::settings::BusAddress;
 use crate::config::{self, Loaded, Settings};
 use crate::frame::Frame;
 use crate::head::Head;
 use crate::horizon::Horizon;
 use std::error::Error;
+use std::io::{self, BufRead, Write};
 use std::os::fd::{AsFd, OwnedFd};
 use std::path::Path;
+use std::time::Duration;
 
 /// Why a part could not do what it was asked; its chain of sources is shown to the user.
 pub type Cause = Box<dyn Error + Send + Sync>;
@@ -39,6 +44,9 @@ pub trait Daemon {
 /// The daemon's own way from a frame to an estimate.
 pub type Pipeline = Box<dyn FnMut(&Frame, &mut Estimate)>;
 
+/// Opens an address on an I²C bus.
+pub type OpenBus = fn(&Path, u8) -> Result<Box<dyn PecBus>, BusError>;
+
 /// The parts.
 #[derive(Clone, Copy, Debug)]
 pub struct Kit {
@@ -54,6 +62,14 @@ pub struct Kit {
     pub defaults: fn() -> Result<Settings, Cause>,
     /// Builds the pipeline.
     pub pipeline: fn(&Settings, &Head) -> Pipeline,
+    /// Reaches the chips themselves.
+    pub open_bus: OpenBus,
+    /// The process of a daemon that runs, whether it answers or not.
+    pub daemon_process: fn() -> Option<u32>,
+    /// Asks the user, and gives whether the answer was yes.
+    pub ask: fn(&str) -> io::Result<bool>,
+    /// Waits.
+    pub pause: fn(Duration),
 }
 
 impl Kit {
@@ -68,7 +84,23 @@ impl Kit {
             let mut horizon = Horizon::new(settings, head.clone());
             Box::new(move |frame, estimate| horizon.update(frame, &[], estimate))
         },
+        open_bus: |bus, address| Ok(Box::new(LinuxBus::open(bus, address)?)),
+        daemon_process: || doctor::daemon_process(Path::new("/")),
+        ask,
+        pause: std::thread::sleep,
     };
+}
+
+/// The end of the input is no.
+fn ask(question: &str) -> io::Result<bool> {
+    let mut err = io::stderr();
+    write!(err, "{question} [y/N] ")?;
+    err.flush()?;
+    let mut answer = String::new();
+    if io::stdin().lock().read_line(&mut answer)? == 0 {
+        writeln!(err)?;
+    }
+    Ok(matches!(answer.trim().to_lowercase().as_str(), "y" | "yes"))
 }
 
 impl From<ClientError> for DaemonError {

@@ -7,6 +7,11 @@
 //! - [`error`]: what goes wrong, and the exit codes.
 //! - [`status`], [`prometheus`], [`sensors`]: the state as text; [`advice`]: what to do about a fault.
 //! - [`watch`]: the live horizon.
+//! - [`setup_args`]: the words of the commands that set a head up and look after it.
+//! - [`doctor`]: what is wrong with an installation, and the next step.
+//! - [`set_address`]: another address for an MLX90614.
+//! - [`calibrate`]: trims and neutral voltages measured; [`save`]: files that no power cut leaves torn.
+//! - [`wait`]: until attitude is given.
 //! - [`trim`]: the head's trim as configuration.
 //! - [`simulate`]: recordings of flights that never were.
 //! - [`record`], [`replay`]: recordings out of the daemon, and through its pipeline.
@@ -16,8 +21,10 @@
 
 pub mod advice;
 mod answer;
+pub mod calibrate;
 pub mod cli;
 pub mod client;
+pub mod doctor;
 pub mod error;
 pub mod kit;
 mod name;
@@ -28,13 +35,17 @@ pub mod record;
 pub mod recording_args;
 pub mod replay;
 mod run;
+pub mod save;
 pub mod score;
 pub mod sensors;
+pub mod set_address;
+pub mod setup_args;
 mod signals;
 pub mod simulate;
 pub mod status;
 pub mod trim;
 pub mod view;
+pub mod wait;
 pub mod watch;
 
 pub use run::{main, run};

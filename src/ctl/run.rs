@@ -4,11 +4,14 @@ use super::cli::{Cli, Command, SensorsFormat, StatusFormat};
 use super::error::{CtlError, EXIT_FAILED, EXIT_OK, EXIT_USAGE, chain};
 use super::kit::Kit;
 use super::view::Status;
-use super::{plot, prometheus, record, replay, score, sensors, signals, simulate, status, trim, watch};
+use super::{
+    calibrate, doctor, plot, prometheus, record, replay, score, sensors, set_address, signals, simulate, status, trim,
+    wait, watch,
+};
 use crate::config::settings::BusAddress;
 use crate::sensor::schedule::Schedule;
-use clap::Parser;
 use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser};
 use serde::Serialize;
 use std::ffi::OsString;
 use std::io::{self, Write};
@@ -62,13 +65,22 @@ fn dispatch(cli: &Cli, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> R
             print(out, &text)?;
         }
         Command::Watch(args) => watch::command(*args, &cli.bus, kit, &*stop_flag()?, out, err)?,
+        Command::Doctor(args) => return doctor::command(args, &cli.bus, kit, out),
+        Command::WaitReady(args) => wait::command(args, &cli.bus, kit)?,
         Command::Validate { file, show } => return validate(file, *show, kit, out, err),
         Command::Trim(args) => trim::command(args, ask(&cli.bus, kit)?.trim, out, err)?,
+        Command::Calibrate(args) => calibrate::command(args, &cli.bus, kit, out, err)?,
+        Command::SetAddress(args) => set_address::command(args, &cli.bus, kit, out)?,
         Command::Record(args) => record::command(args, &cli.bus, kit, &*stop_flag()?, out, err)?,
         Command::Replay(args) => replay::command(args, kit, out, err)?,
         Command::Simulate(args) => simulate::command(args, out, err)?,
         Command::Plot(what) => plot::command(what, kit, out, err)?,
         Command::Score(args) => score::command(args, kit, out, err)?,
+        Command::Completions { shell } => {
+            let mut text = Vec::new();
+            clap_complete::generate(shell.generator(), &mut Cli::command(), "irhorizonctl", &mut text);
+            print(out, &String::from_utf8_lossy(&text))?;
+        }
     }
     Ok(EXIT_OK)
 }

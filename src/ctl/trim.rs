@@ -2,8 +2,8 @@
 
 use super::cli::TrimArgs;
 use super::error::CtlError;
-use super::record::create;
 use super::run::print;
+use super::save::{FileSystem, replace};
 use super::view::Trim;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -27,11 +27,11 @@ pub fn lines(trim: Trim) -> String {
 pub fn command(args: &TrimArgs, trim: Trim, out: &mut dyn Write, err: &mut dyn Write) -> Result<(), CtlError> {
     let text = lines(trim);
     let Some(path) = &args.save else { return print(out, &text) };
-    create(path, args.force)?.write_all(text.as_bytes()).map_err(|source| CtlError::Write {
-        path: path.clone(),
-        rows: None,
-        source,
-    })?;
+    if path.exists() && !args.force {
+        return Err(CtlError::Exists { path: path.clone() });
+    }
+    let failed = |source| CtlError::Write { path: path.clone(), rows: None, source };
+    replace(&mut FileSystem, path, text.as_bytes()).map_err(failed)?;
     let _ = writeln!(
         err,
         "saved to {}; it holds after systemctl reload irhorizond, if that is a drop-in of its configuration",

@@ -150,21 +150,6 @@ impl Sensor {
     /// Named counts since start.
     #[zbus(property(emits_changed_signal = "false"))]
     fn counters(&self) -> Vec<(String, u64)> {
-        let c = self.health(|h| h.counters);
-        [
-            ("reads", c.reads),
-            ("retries", c.retries),
-            ("no-answer", c.no_answer),
-            ("bad-pec", c.bad_pec),
-            ("held", c.held),
-            ("other", c.other),
-            ("error-flag", c.error_flag),
-            ("out-of-range", c.out_of_range),
-            ("not-ready", c.not_ready),
-            ("reopened", c.reopened),
-            ("power-cycles", c.power_cycles),
-        ]
-        .map(|(name, count)| (name.to_owned(), count))
-        .into()
+        self.health(|h| h.counters).named().map(|(name, count)| (name.to_owned(), count)).into()
     }
 }

@@ -37,6 +37,9 @@ use crate::attitude::{Attitude, Hint};
 use crate::frame::Frame;
 use field::MAX_SENSORS;
 
+/// What a level pair of 90° shows for a radian of tilt, as a share of the contrast.
+pub const PAIR_SLOPE: f64 = 1.1;
+
 /// Whether a method makes use of a sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Standing {
@@ -60,6 +63,8 @@ pub struct Hearing {
     pub expected_k: Option<f64>,
     /// What it shows beyond what attitude and sky explain, K.
     pub residual_k: Option<f64>,
+    /// How much of what it should show it does not follow, 0..1; `None` where it is heard, or nothing has changed since.
+    pub lost: Option<f64>,
 }
 
 /// What a method makes of a frame, before the fault detectors have had their say.

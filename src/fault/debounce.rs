@@ -31,6 +31,11 @@ impl Debounce {
         Self { on_after_s, off_after_s, active: false, changing_since: None, active_since: Time::default() }
     }
 
+    /// Other times, from now on.
+    pub fn retune(&mut self, on_after_s: f64, off_after_s: f64) {
+        (self.on_after_s, self.off_after_s) = (on_after_s, off_after_s);
+    }
+
     /// Takes in at `now` whether the condition is there; gives where it stands.
     pub fn update(&mut self, present: bool, now: Time) -> State {
         if present == self.active {

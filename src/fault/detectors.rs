@@ -41,6 +41,17 @@ impl Detectors {
         }
     }
 
+    /// Takes up other thresholds and forgets nothing of what has been seen.
+    pub fn retune(&mut self, f: &FaultSettings) {
+        self.low.retune(f.low_contrast_c, f.accuracy_deg.to_radians());
+        self.inverted.retune(f.low_contrast_c);
+        self.wet.retune(0.01 * f.wet_percent);
+        self.obstructed.retune(f.obstructed_deg.to_radians());
+        self.disagree.retune(f.disagree_deg.to_radians());
+        self.stuck.retune(f.stuck_after_s);
+        self.sensors.retune(f.lost_after_s, f.back_after_s, f.stale_after_s);
+    }
+
     /// Takes in a frame, what the method makes of it, and the reason for which each bus is down. Whether the
     /// contrast allows an attitude for all that is seen: a mere suspicion does not.
     pub fn update(&mut self, frame: &Frame, solution: &Solution, buses_down: &[Option<Missing>]) -> bool {

@@ -55,6 +55,11 @@ impl Disagree {
         Self { limit, references: References::default(), roll: none, pitch: none, pitched: (0.0, 0.0) }
     }
 
+    /// Another difference from which they disagree, rad.
+    pub fn retune(&mut self, limit: f64) {
+        self.limit = limit;
+    }
+
     /// Takes in an attitude with its standard deviation, and what other instruments said. Without an attitude
     /// nothing is compared, and what was compared ends.
     pub fn update(&mut self, attitude: Option<(Attitude, Attitude)>, aiding: &Aiding, now: Time) {

@@ -26,6 +26,11 @@ impl Inverted {
         Self { limit_k: -REVERSED * low_k, inverted: Debounce::new(LASTS_S.0, LASTS_S.1), vertical_k: 0.0 }
     }
 
+    /// Another contrast below which there is no attitude, K.
+    pub fn retune(&mut self, low_k: f64) {
+        self.limit_k = -REVERSED * low_k;
+    }
+
     /// Takes in what was seen at `now`. A frame in which nothing was seen changes nothing.
     pub fn update(&mut self, solution: &Solution, now: Time) -> State {
         let Some([_, _, z]) = solution.seen_k else { return self.inverted.state() };

@@ -3,7 +3,7 @@
 use super::debounce::{Debounce, State};
 use super::noise::NoiseMeter;
 use super::{ActiveFault, Evidence, FaultKind};
-use crate::estimator::Solution;
+use crate::estimator::{PAIR_SLOPE, Solution};
 use crate::frame::Frame;
 use crate::head::Head;
 
@@ -11,8 +11,6 @@ use crate::head::Head;
 const HYSTERESIS: f64 = 1.25;
 /// Seconds for which the contrast must be low, and must be back.
 const LASTS_S: (f64, f64) = (0.2, 1.0);
-/// A level pair's slope, as a share of the contrast for a radian.
-const PAIR_SLOPE: f64 = 1.1;
 
 /// Sees `low-contrast`. Its limit is the configured one, or the contrast at which the sensors' own noise
 /// would make a larger error than is wanted, if that is more.
@@ -37,6 +35,11 @@ impl LowContrast {
             low: Debounce::new(LASTS_S.0, LASTS_S.1),
             lowest_k: 0.0,
         }
+    }
+
+    /// Another least limit, K, and another accuracy wanted, rad.
+    pub fn retune(&mut self, least_k: f64, accuracy: f64) {
+        (self.least_k, self.accuracy) = (least_k, accuracy);
     }
 
     /// The contrast below which there is no attitude, K.

@@ -24,6 +24,11 @@ impl Obstructed {
         Self { limit, obstructed: Debounce::new(LASTS_S.0, LASTS_S.1), hidden: 0.0 }
     }
 
+    /// Another tilt that may be hidden, rad.
+    pub fn retune(&mut self, limit: f64) {
+        self.limit = limit;
+    }
+
     /// Takes in what was seen at `now`.
     pub fn update(&mut self, solution: &Solution, now: Time) {
         let Some(hidden) = solution.hidden else { return };

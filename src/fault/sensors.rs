@@ -42,6 +42,14 @@ impl SensorDetector {
         }
     }
 
+    /// Other times; see [`new`](Self::new).
+    pub fn retune(&mut self, lost_after_s: f64, back_after_s: f64, stale_after_s: f64) {
+        self.stale_after_s = stale_after_s;
+        for watch in self.sensors.iter_mut().chain(&mut self.buses) {
+            watch.gone.retune(lost_after_s, back_after_s);
+        }
+    }
+
     /// Takes in a frame and the reason for which each bus is down.
     pub fn update(&mut self, frame: &Frame, buses_down: &[Option<Missing>]) {
         self.now = frame.time;

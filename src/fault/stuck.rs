@@ -61,6 +61,11 @@ impl StuckSensors {
         Self { head: head.clone(), runs: vec![run; n], repeating: vec![false; n], after_s }
     }
 
+    /// Another time for which a sensor must repeat itself, s.
+    pub fn retune(&mut self, after_s: f64) {
+        self.after_s = after_s;
+    }
+
     /// Takes in a frame, and what the method makes of each sensor.
     pub fn update(&mut self, frame: &Frame, sensors: &[Hearing]) {
         for i in 0..self.runs.len() {

@@ -79,6 +79,23 @@ impl Horizon {
         }
     }
 
+    /// Takes up trims, thresholds and what is done on a fault, and forgets nothing of what has been seen.
+    pub fn retune(&mut self, settings: &Settings) {
+        let trim = Attitude::from_degrees(settings.head.roll_trim_deg, settings.head.pitch_trim_deg);
+        match &mut self.mounting {
+            Mounting::Offset(t) => *t = trim,
+            // What was learnt was learnt of the old trim.
+            Mounting::Turned(t) if *t != trim => {
+                *t = trim;
+                self.learner = self.learner.as_ref().map(|_| Learner::default());
+            }
+            Mounting::Turned(_) => {}
+        }
+        self.estimator.set_trim(trim);
+        self.detectors.retune(&settings.faults);
+        self.output.retune(&settings.faults);
+    }
+
     /// The time constant that the sensors say they have, s; what the configuration says stays.
     pub fn set_lag_s(&mut self, lag_s: f64) {
         if !self.lag_said {

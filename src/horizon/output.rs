@@ -63,6 +63,12 @@ impl Output {
         }
     }
 
+    /// Takes up what `[faults]` says now.
+    pub fn retune(&mut self, settings: &FaultSettings) {
+        (self.on_fault, self.hold_s) = (settings.on_fault, settings.hold_s);
+        self.limit.retune(settings.sigma_limit_deg);
+    }
+
     /// Takes in the verdict on the frame of time `now`, whose newest measurement is of `sampled`. The faults that it
     /// is based on are in `estimate` already; where the standard deviation alone withholds, that is added to them.
     pub fn update(&mut self, verdict: Verdict, now: Time, sampled: Option<Time>, estimate: &mut Estimate) {

@@ -30,6 +30,11 @@ impl SigmaLimit {
         Self { limit_deg, worst_deg: 0.0, debounce: Debounce::new(ON_AFTER_S, OFF_AFTER_S) }
     }
 
+    /// Another limit, °.
+    pub fn retune(&mut self, limit_deg: f64) {
+        self.limit_deg = limit_deg;
+    }
+
     /// Takes in an attitude with its standard deviations, rad; whether it may be given.
     pub fn update(&mut self, attitude: Attitude, sigma: Attitude, now: Time) -> bool {
         let worst_deg = (sigma.roll * attitude.pitch.cos()).abs().max(sigma.pitch.abs()).to_degrees();
@@ -39,10 +44,11 @@ impl SigmaLimit {
         self.debounce.update(!known || self.worst_deg > limit_deg, now) != State::Active
     }
 
-    /// Adds to `faults` what may not be given, in the vocabulary's order.
+    /// Adds to `faults` what may not be given, in the vocabulary's order. A wet sensor is reason enough.
     pub fn report(&self, faults: &mut Vec<ActiveFault>) {
         let kind = FaultKind::Obstructed;
-        if self.debounce.is_active() && !faults.iter().any(|f| f.kind == kind) {
+        let told = |f: &ActiveFault| f.kind == kind || matches!(f.kind, FaultKind::WetSensor(_));
+        if self.debounce.is_active() && !faults.iter().any(told) {
             let evidence = Evidence::Limit { value: self.worst_deg, limit: self.limit_deg, unit: "°" };
             let place = faults.iter().position(|f| f.kind > kind).unwrap_or(faults.len());
             faults.insert(place, ActiveFault { kind, since: self.debounce.since(), evidence });

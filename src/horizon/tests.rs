@@ -327,3 +327,22 @@ fn the_report_s_scheme_learns_nothing_nor_does_a_horizon_that_is_told_not_to() {
     settings.head.learn_trim = false;
     assert!(Horizon::new(&settings, Head::six()).learner.is_none());
 }
+
+#[test]
+fn other_thresholds_and_trims_are_taken_up_without_forgetting() {
+    let mut settings = by(Method::Field);
+    let mut flight = Flight::with(&settings);
+    flight.for_s(5.0, 10.0, 30.0, &[]);
+    let before = flight.estimate.attitude.unwrap();
+    settings.head.roll_trim_deg = 4.0;
+    flight.horizon.retune(&settings);
+    flight.for_s(3.0, 10.0, 30.0, &[]);
+    let after = flight.estimate.attitude.unwrap();
+    let turned_deg = (before.roll - after.roll).to_degrees();
+    assert!((turned_deg - 4.0).abs() < 0.3, "{turned_deg}");
+    // A contrast that was enough is low by another limit, at once and without a frame in between.
+    settings.faults.low_contrast_c = 20.0;
+    flight.horizon.retune(&settings);
+    flight.for_s(1.0, 10.0, 15.0, &[]);
+    assert!(flight.estimate.faults.iter().any(|f| f.kind == FaultKind::LowContrast), "{:?}", flight.estimate);
+}

@@ -9,6 +9,7 @@
 //! - [`faults`]: what goes wrong on a bus, how soon it is told and over;
 //! - [`names`]: what goes wrong in flight, by which name D-Bus and MAVLink tell it; [`turning`]: the flight,
 //!   [`radio`]: who listens to MAVLink;
+//! - [`setup`]: doctor and set-address on a kernel's bus;
 //! - [`flight`], [`attitude`]: attitudes flown through; `check.py` is the listener's side of it.
 
 mod adapter;
@@ -24,5 +25,6 @@ mod mlx;
 mod names;
 mod radio;
 mod rig;
+mod setup;
 mod sky;
 mod turning;

@@ -1,8 +1,8 @@
 //! When the scene is found not to be alike all around.
 
 use super::FieldEstimator;
-use super::PAIR_SLOPE;
 use super::state::{CONTRAST, DEPTH, OFFSET, RADIANCE, RATE, SIDE, State, TURN};
+use crate::estimator::PAIR_SLOPE;
 use crate::estimator::vector::cross;
 
 /// What no sky alike all around explains, from nothing to certain: below the first there is none (again),

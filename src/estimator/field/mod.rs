@@ -5,17 +5,21 @@
 //! the start, and that is bounded.
 //!
 //! - `state`: the states and their covariance; `tuning`: what the world is taken to be like;
-//! - `model`: what a sensor should show; `start`: where the filter begins;
+//! - `model`: what a sensor should show; `start`, `begin`: where the filter begins;
+//! - `hear`: which readings are heard; `witness`: which sensor is not;
 //! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves;
 //! - `doubt`: a scene that is found not to be alike all around;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
+//! - `unheard`: what a sensor left out might have been right about;
 //! - `output`: angles, standard deviations, the underestimation guard.
 
 mod adapt;
 mod aid;
+mod begin;
 mod correct;
 mod doubt;
 mod gyro;
+mod hear;
 mod hint;
 mod model;
 mod output;
@@ -24,15 +28,17 @@ mod start;
 mod state;
 mod stuck;
 mod tuning;
+mod unheard;
 mod witness;
 
 pub use state::MAX_SENSORS;
 pub use tuning::Tuning;
 
+use super::PAIR_SLOPE;
 use super::contrast_vector::ContrastSolver;
 use super::sides::{Sides, TELLING_K};
-use super::vector::{add_scaled, dot, length};
-use super::{Estimator, Hearing, Solution, Standing};
+use super::vector::{dot, length};
+use super::{Estimator, Solution, Standing};
 use crate::attitude::Attitude;
 use crate::frame::Frame;
 use crate::head::Head;
@@ -40,15 +46,15 @@ use crate::sky::FieldOfView;
 use crate::time::Time;
 use adapt::{SceneStrength, Whiteness};
 use aid::Aid;
+use begin::paces;
 use correct::Misfit;
 use gyro::Gyro;
 use model::Model;
 use output::{attitude, guard};
-use predict::{Pace, predict, scene};
-use start::start;
-use state::{CONTRAST, DEPTH, GROUND, LAG, OFFSET, RADIANCE, RATE, SEEN, SIDE, State, TURN};
+use predict::{Pace, predict};
+use state::{CONTRAST, State};
 use stuck::Stuck;
-use witness::{Known, Witnesses};
+use witness::Witnesses;
 
 /// A frame later than this after the last begins anew, s.
 const GAP_S: f64 = 2.0;
@@ -56,10 +62,6 @@ const GAP_S: f64 = 2.0;
 const CARRIED_S: (f64, f64) = (0.1, 1.0);
 /// After so long without a contrast to see by the filter begins anew when it is back, s.
 const BLIND_S: f64 = 0.3;
-/// So long a sensor is taken to be the cause of what does not fit, s.
-const UNDECIDED_S: f64 = 5.0;
-/// A level pair's slope, as a share of the contrast for a radian.
-const PAIR_SLOPE: f64 = 1.1;
 
 /// The estimator of method `field`. For absolute sensors, five at least; pairs' channels are taken as
 /// they come, three at least.
@@ -103,6 +105,7 @@ impl FieldEstimator {
     /// tables in a few milliseconds; nothing is allocated after that.
     pub fn new(head: &Head, field: FieldOfView, tuning: Tuning) -> Self {
         let model = Model::new(head, field);
+        let (rates, contrast, scene) = paces(&tuning);
         Self {
             state: State::new(model.sensors()),
             is_stuck: [false; MAX_SENSORS],
@@ -121,9 +124,9 @@ impl FieldEstimator {
             stuck: [Stuck::default(); MAX_SENSORS],
             gyro: Gyro::default(),
             aid: Aid::default(),
-            rates: [(); 2].map(|()| rate_pace(&tuning)),
-            contrast: contrast_pace(&tuning),
-            scene: SceneStrength::new(tuning.scene.1, tuning.scene_learning_s),
+            rates,
+            contrast,
+            scene,
             misfit: Misfit::default(),
             unlike: false,
             sided: false,
@@ -139,125 +142,6 @@ impl FieldEstimator {
     /// How many readings a frame needs to begin with; to go on with, where the sky is known.
     fn needed(&self) -> (usize, usize) {
         if self.model.is_absolute() { (5, 4) } else { (3, 3) }
-    }
-
-    /// The readings of `frame` that are newer than the last of their sensor, and the newest stamp.
-    fn readings(&mut self, frame: &Frame) -> ([Option<f64>; MAX_SENSORS], Option<Time>) {
-        // A clock that has been set back begins anew.
-        let restart = |last: Time| frame.sample_time().is_some_and(|now| now.since(last) < -GAP_S);
-        if self.last.is_some_and(|(last, _)| restart(last)) {
-            (self.last, self.stamps) = (None, [None; MAX_SENSORS]);
-        }
-        let mut newest = None;
-        let mut readings: [Option<f64>; MAX_SENSORS] = std::array::from_fn(|i| {
-            let (value, time) = self.model.reading(i, frame)?;
-            if self.stamps[i].is_some_and(|stamp| time <= stamp) {
-                return None;
-            }
-            self.stamps[i] = Some(time);
-            newest = newest.max(Some(time));
-            self.stuck[i].update(value, self.state.plain[i], time);
-            Some(value)
-        });
-        self.is_stuck = Stuck::among(&self.stuck);
-        for (reading, stuck) in readings.iter_mut().zip(self.is_stuck) {
-            *reading = reading.filter(|_| !stuck);
-        }
-        (readings, newest)
-    }
-
-    /// Begins with what one frame says; `false` where that is not enough.
-    fn begin(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) -> bool {
-        let t = self.tuning;
-        let Some(start) = start(&self.model, readings, self.needed().0, &t) else {
-            return false;
-        };
-        self.last = Some((now, now));
-        self.aid = Aid::default();
-        self.misfit = Misfit::default();
-        self.unlike = false;
-        self.rates = [(); 2].map(|()| rate_pace(&t));
-        self.contrast = contrast_pace(&t);
-        self.scene = SceneStrength::new(t.scene.1, t.scene_learning_s);
-        self.scene.begin(t.scene.0 * (start.scene.contrast_k.abs() / 35.0).min(1.0));
-        self.state = State::new(self.model.sensors());
-        let s = &mut self.state;
-        s.axes = start.axes;
-        s.x[GROUND] = start.scene.ground_c;
-        s.x[CONTRAST] = start.scene.contrast_k;
-        s.x[DEPTH] = start.scene.ln_depth;
-        s.x[RADIANCE] = t.radiance.0;
-        let sigmas = [
-            (TURN, 0.1),
-            (TURN + 1, 0.1),
-            (TURN + 2, 0.1),
-            (GROUND, 2.0),
-            (CONTRAST, (0.15 * start.scene.contrast_k).hypot(1.0)),
-            (DEPTH, t.depth.1),
-            (RADIANCE, t.radiance.1),
-            (OFFSET, t.offset.0),
-            (OFFSET + 1, t.offset.0),
-        ];
-        for (i, sigma) in sigmas {
-            s.set_variance(i, sigma * sigma);
-        }
-        for (i, reading) in readings.iter().enumerate().take(self.model.sensors()) {
-            let plain = self.model.seen(i, &s.axes, &start.scene).value;
-            s.plain[i] = plain;
-            s.x[SEEN + i] = reading.unwrap_or(plain);
-            s.set_variance(SEEN + i, 1.0);
-            s.set_variance(s.scene(i), self.scene.variance());
-        }
-        self.set_rates();
-        true
-    }
-
-    /// Rates without a gyro, or a gyro's bias: both begin at zero. What only a gyro can tell goes with it.
-    fn set_rates(&mut self) {
-        let (t, s, gyro) = (&self.tuning, &mut self.state, self.gyro.in_use());
-        for i in 0..3 {
-            s.x[RATE + i] = 0.0;
-            s.set_variance(RATE + i, (if gyro { t.bias.0 } else { t.rate_sigma[i] }).powi(2));
-        }
-        for i in SIDE..SIDE + 4 {
-            s.x[i] = 0.0;
-            s.set_variance(i, if gyro { t.side.0.powi(2) } else { 0.0 });
-        }
-        self.sided = false;
-        self.turned = 0.0;
-        s.x[LAG] = 0.0;
-        s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });
-    }
-
-    /// Whether the witnesses are about to decide on a sensor; they are given a while.
-    fn undecided(&mut self, now: Time) -> bool {
-        if self.witnesses.undecided() {
-            now.since(*self.undecided_since.get_or_insert(now)) < UNDECIDED_S
-        } else {
-            self.undecided_since = None;
-            false
-        }
-    }
-
-    /// Leaves out what the witnesses do not believe.
-    fn consult(&mut self, readings: &mut [Option<f64>; MAX_SENSORS], pace: &Pace, dt_s: f64) {
-        let s = &self.state;
-        let bias = [s.x[RATE], s.x[RATE + 1], s.x[RATE + 2]];
-        let known = Known {
-            axes: s.axes,
-            sky: scene(s),
-            pace,
-            gyro: self.gyro.rates().map(|rates| add_scaled(rates, 1.0, bias)),
-            lag_s: self.tuning.lag_s * s.x[LAG].clamp(-2.0, 2.0).exp(),
-        };
-        if self.blind {
-            self.witnesses.restart();
-        } else if self.model.is_absolute() {
-            self.witnesses.update(&self.model, &self.tuning, &known, readings, dt_s);
-        }
-        for (i, reading) in readings.iter_mut().enumerate() {
-            *reading = reading.filter(|_| self.witnesses.standing(i) == Standing::Heard);
-        }
     }
 
     fn solution(&self) -> Solution {
@@ -279,8 +163,10 @@ impl FieldEstimator {
             let roll = own.roll.hypot(doubt / attitude.pitch.cos().max(0.2));
             Attitude { roll: poor * roll, pitch: poor * own.pitch.hypot(doubt) }
         };
+        let unheard = self.unheard(attitude);
         // Angles are shown larger by the least doubt: more of it may as well be on the other side.
         let (guarded, sigma) = (doubted(least_k), doubted(most_k));
+        let sigma = Attitude { roll: sigma.roll.hypot(unheard.roll), pitch: sigma.pitch.hypot(unheard.pitch) };
         attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);
         attitude.pitch = guard(attitude.pitch, guarded.pitch, std::f64::consts::FRAC_PI_2);
         Solution {
@@ -292,13 +178,6 @@ impl FieldEstimator {
             hidden: Some(2.0 * t.hidden.0 * self.scene.seen_k() / (PAIR_SLOPE * contrast_k.abs().max(1.0))),
             hint: self.hint(),
         }
-    }
-
-    fn hearing(&self, i: usize) -> Hearing {
-        let (expected_k, apart_k) = self.witnesses.of(i);
-        let standing = if self.is_stuck[i] { Standing::Stuck } else { self.witnesses.standing(i) };
-        let residual_k = if standing == Standing::Heard { self.residual_k(i) } else { apart_k };
-        Hearing { standing, expected_k, residual_k }
     }
 
     /// The contrast that this frame alone shows, K; below 0 where ground and sky look exchanged.
@@ -320,14 +199,6 @@ impl FieldEstimator {
             self.blind = true;
         }
     }
-}
-
-fn rate_pace(t: &Tuning) -> Whiteness {
-    Whiteness::new(0.1, (t.rate_learning, t.rate_learning), (0.1, 8.0))
-}
-
-fn contrast_pace(t: &Tuning) -> Whiteness {
-    Whiteness::new(0.15, (t.contrast.1, 0.5), (1.0, 200.0))
 }
 
 impl Estimator for FieldEstimator {

@@ -27,5 +27,14 @@ pub fn level(seen: Attitude, trim: Attitude) -> Attitude {
     Attitude { roll: left.atan2(up), pitch: nose.atan2(left.hypot(up)) }
 }
 
+/// What a head that shows `trim` in level flight shows on an aircraft in `attitude`: the inverse of [`level`].
+pub fn shown(attitude: Attitude, trim: Attitude) -> Attitude {
+    let [x, y, z] = attitude.vertical();
+    let ((sr, cr), (sp, cp)) = (trim.roll.sin_cos(), trim.pitch.sin_cos());
+    let (nose, up) = (x * cp + z * sp, z * cp - x * sp);
+    let (left, up) = (y * cr + up * sr, up * cr - y * sr);
+    Attitude::from_vertical([nose, left, up])
+}
+
 #[cfg(test)]
 mod tests;

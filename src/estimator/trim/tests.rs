@@ -184,3 +184,18 @@ fn hostile() -> impl Strategy<Value = Option<f64>> {
     let absurd = prop::sample::select(vec![f64::NAN, f64::INFINITY, -1e300, 1e300, 0.0, -5.0]);
     prop_oneof![3 => (0.0..40.0_f64).prop_map(Some), 1 => absurd.prop_map(Some), 1 => Just(None)]
 }
+
+proptest! {
+    #[test]
+    fn what_a_head_shows_is_the_inverse_of_what_it_is_levelled_to(
+        roll in -179.0_f64..179.0, pitch in -89.0_f64..89.0, trim_roll in -45.0_f64..45.0, trim_pitch in -45.0_f64..45.0,
+    ) {
+        let (body, trim) = (Attitude::from_degrees(roll, pitch), Attitude::from_degrees(trim_roll, trim_pitch));
+        let back = level(shown(body, trim), trim).vertical();
+        for (a, b) in back.into_iter().zip(body.vertical()) {
+            prop_assert!((a - b).abs() < 1e-12, "{:?} {:?}", body, trim);
+        }
+        let flat = shown(Attitude::default(), trim);
+        prop_assert!((flat.roll - trim.roll).abs() < 1e-12 && (flat.pitch - trim.pitch).abs() < 1e-12);
+    }
+}

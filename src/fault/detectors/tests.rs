@@ -43,11 +43,8 @@ fn aiding() -> impl Strategy<Value = Aiding> {
 fn solution() -> impl Strategy<Value = Solution> {
     let standing =
         proptest::sample::select(vec![Standing::Heard, Standing::Doubted, Standing::LeftOut, Standing::Stuck]);
-    let hearing = (standing, of(number()), of(number())).prop_map(|(standing, expected_k, residual_k)| Hearing {
-        standing,
-        expected_k,
-        residual_k,
-    });
+    let hearing = (standing, of(number()), of(number()), of(number()))
+        .prop_map(|(standing, expected_k, residual_k, lost)| Hearing { standing, expected_k, residual_k, lost });
     let angles = || (number(), number()).prop_map(|(roll, pitch)| Attitude { roll, pitch });
     let seen = of(proptest::array::uniform3(number()));
     (of(angles()), angles(), of(number()), seen, proptest::array::uniform8(hearing), of(number())).prop_map(

@@ -2,6 +2,7 @@
 
 use super::super::kit::{frame, seen, told, value};
 use super::*;
+use crate::estimator::{Hearing, Standing};
 
 const WET: usize = 3;
 const OWN_C: f64 = 24.0;
@@ -31,7 +32,7 @@ impl Flight {
             let mut shown_c = [3.0; 6];
             shown_c[WET] = film * OWN_C + (1.0 - film) * due_c;
             let mut solution = seen(30.0);
-            solution.sensors[WET] = Hearing { standing, expected_k: Some(due_c), residual_k: None };
+            solution.sensors[WET] = Hearing { standing, expected_k: Some(due_c), residual_k: None, lost: Some(film) };
             self.wet.update(&frame(self.time_s, &shown_c, own_c), &solution, 2.0);
         }
     }

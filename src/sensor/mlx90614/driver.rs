@@ -75,6 +75,11 @@ impl<B: WordBus> Mlx90614<B> {
         registers::IDENTITY.iter().try_fold(0, |id, cell| Ok(id << 16 | u64::from(self.word(*cell)?)))
     }
 
+    /// The cell that holds its address in the low byte: the one that it has from its next power cycle on.
+    pub fn address_cell(&mut self) -> Result<u16, BusError> {
+        self.word(registers::ADDRESS)
+    }
+
     pub(super) fn word(&mut self, command: u8) -> Result<u16, BusError> {
         self.bus.read_word(command)
     }
@@ -110,6 +115,7 @@ mod tests {
             (0x08, 12158), // −29.99 °C
             (0x24, 0xFFFF),
             (0x25, 0x9FB4),
+            (0x2E, 0xBE5A),
             (0x3C, 0x0123),
             (0x3D, 0x4567),
             (0x3E, 0x89AB),
@@ -121,6 +127,7 @@ mod tests {
         assert_eq!(chip.raw_ir(), Ok([16, -32]));
         assert_eq!(chip.configuration(), Ok(Configuration(0x9FB4)));
         assert_eq!(chip.emissivity(), Ok(1.0));
+        assert_eq!(chip.address_cell(), Ok(0xBE5A));
         assert_eq!(chip.identity(), Ok(0x0123_4567_89AB_CDEF));
     }
 

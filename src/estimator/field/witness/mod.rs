@@ -4,16 +4,25 @@
 //! tell of one sky, the first explains what it hears best. When one sensor goes its own way, all witnesses that hear
 //! it are surprised, and the one that does not is not: the sums of their surprises tell which sensor that is, and
 //! what it should show.
+//!
+//! - `filter`: a witness; `case`: what speaks against one sensor; `follow`: whether it follows what it should show; `other`: what else there is to blame;
+//! - `judge`: from surprises to standings.
 
+mod case;
 mod filter;
+mod follow;
+mod judge;
+mod other;
 
 use super::model::{Model, Scene};
 use super::predict::Pace;
 use super::state::MAX_SENSORS;
 use super::tuning::Tuning;
 use crate::estimator::Standing;
-use crate::estimator::vector::{Vector, add_scaled, dot};
+use crate::estimator::vector::{Vector, add_scaled};
+use case::Case;
 use filter::{Step, Witness};
+use other::Other;
 
 /// Readings are averaged over this time before witnesses hear them, s.
 const STEP_S: f64 = 0.05;
@@ -21,32 +30,6 @@ const STEP_S: f64 = 0.05;
 const GAP_S: f64 = 1.0;
 /// A sum of surprises never falls below, nor rises above.
 const BOUNDS: (f64, f64) = (-5.0, 300.0);
-/// From this sum on a sensor is doubted; from that one on it is left out, if it is so much ahead of all others,
-const DOUBT: f64 = 8.0;
-const CONVICT: f64 = 20.0;
-const AHEAD: f64 = 5.0;
-/// in so many steps.
-const STEPS: u8 = 3;
-/// As many sensors can be doubted at once; more are no sensors' matter.
-const DOUBTED: usize = 2;
-/// A reading this far from what the others say, K, as a share of the contrast and in standard deviations, may be
-/// its sensor's matter,
-const APART: (f64, f64, f64) = (0.5, 0.02, 2.5);
-/// and no more when it has been nearer for this time, s, while it should have changed by so much: K and as a share
-/// of the contrast. What is near for want of change proves nothing.
-const BACK_S: f64 = 3.0;
-const BACK: (f64, f64) = (1.0, 0.06);
-/// What looks at the ground hardly changes: so long is enough in any case, s.
-const BACK_AT_LAST_S: f64 = 20.0;
-/// So far, K or as a share of the contrast, it must be to be left out: smaller ones are the scene's. A second sensor
-/// must be so many times as far, and its sum as high.
-const GUILTY: (f64, f64) = (1.0, 0.08);
-const SECOND: f64 = 3.0;
-/// Without it all others must fit together: their squared surprises' mean over some time, s.
-const FIT: f64 = 1.7;
-const FIT_S: f64 = 0.5;
-/// Doubt of small matters ends after this time, s.
-const DOUBT_S: f64 = 1.5;
 /// The sky's shape is followed over this time, s, and not while any sensor surprises.
 const SHAPE_S: f64 = 5.0;
 /// As many sensors must be heard for one to be doubted.
@@ -55,12 +38,6 @@ const FEWEST: usize = 5;
 const SCENE: (f64, f64) = (0.25, 0.005);
 /// Walks of ground, K, and contrast, as a share of it, for a second.
 const WALK: (f64, f64) = (0.5, 0.1);
-/// The same of a sky and a ground that change quickly: fog, a cloud, hail.
-const QUICK: f64 = 0.7;
-/// Body rates of aerobatics, rad/s rms.
-const AEROBATIC: f64 = 1.5;
-/// The cosine between two sensors that look apart.
-const OPPOSED: f64 = -0.95;
 /// Doubt of a gyro's rates: rad/s and as a share of them.
 const GYRO: (f64, f64) = (0.01, 0.05);
 
@@ -86,59 +63,6 @@ struct Window {
     count: [u16; MAX_SENSORS],
     turned: Vector,
     dt_s: f64,
-}
-
-/// One sensor before the witnesses.
-#[derive(Clone, Copy, Debug, Default)]
-struct Case {
-    standing: Standing,
-    surprise: f64,
-    ahead: u8,
-    expected_k: Option<f64>,
-    residual_k: Option<f64>,
-    near_s: f64,
-    /// What it should have shown meanwhile, least and most.
-    near_k: Option<(f64, f64)>,
-    /// Whether it is far enough off to be left out.
-    guilty: bool,
-    /// How well all others fit together without it: 1 where there is nothing but noise.
-    others_fit: f64,
-    doubted_s: f64,
-}
-
-impl Case {
-    /// Whether it surprises, and is as far from what the others say.
-    fn is_suspect(&self) -> bool {
-        self.standing != Standing::LeftOut && self.surprise > DOUBT && self.near_s == 0.0
-    }
-}
-
-/// What there is to blame beside a sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Blames {
-    /// The gyro: it is not heard.
-    Gyro,
-    /// A sky and a ground that change quickly: fog, a cloud, hail.
-    Weather,
-    /// The pilot, where there is no gyro: the body turns as it has not turned before.
-    Pilot,
-    /// Two sides at once: a valley. Two opposed sensors are not heard.
-    Scene,
-}
-
-/// A witness by whom no sensor is to blame, and how much less that surprises.
-#[derive(Clone, Debug)]
-struct Other {
-    blames: Blames,
-    witness: Witness,
-    surprise: f64,
-}
-
-/// The pairs of sensors that look apart.
-fn opposed(model: &Model) -> impl Iterator<Item = (usize, usize)> {
-    let n = model.sensors();
-    let all = (0..n).flat_map(move |i| (i + 1..n).map(move |j| (i, j)));
-    all.filter(|(i, j)| dot(model.direction(*i), model.direction(*j)) < OPPOSED)
 }
 
 /// The bank.
@@ -171,6 +95,12 @@ impl Witnesses {
     /// What the others say that sensor `i` should show, and what it shows more, K.
     pub fn of(&self, i: usize) -> (Option<f64>, Option<f64>) {
         (self.cases[i].expected_k, self.cases[i].residual_k)
+    }
+
+    /// How much sensor `i` does not follow of what it should show, 0..1; where it is heard, or nothing has changed, nobody
+    /// knows.
+    pub fn lost(&self, i: usize) -> Option<f64> {
+        self.cases[i].lost()
     }
 
     /// Begins anew with the next step; what was left out stays so.
@@ -257,114 +187,23 @@ impl Witnesses {
             std::array::from_fn(|i| (window.count[i] > 0).then(|| window.sum[i] / f64::from(window.count[i])));
         let Some(all) = &mut self.all else { return };
         let whole = all.hear(model, &step, &readings);
-        let drifting = Step { gyro: None, rate: (t.rate_sigma, t.rate_time_s), ..step };
-        let aerobatic = Step { rate: ([AEROBATIC; 3], t.rate_time_s), ..step };
-        let changing = Step { walk_k: [QUICK * contrast; 2], ..step };
         for other in &mut self.others {
-            let step = match other.blames {
-                Blames::Gyro => &drifting,
-                Blames::Weather => &changing,
-                Blames::Pilot => &aerobatic,
-                Blames::Scene => &step,
-            };
-            let gain = other.witness.hear(model, step, &readings).likelihood - whole.likelihood;
-            other.surprise = (other.surprise + gain).clamp(BOUNDS.0, BOUNDS.1);
+            other.hear(model, &step, &readings, t, whole.likelihood);
         }
         let heard = (0..n).filter(|i| readings[*i].is_some() && self.cases[*i].standing != Standing::LeftOut).count();
-        let many = if heard > FEWEST { 1.0 } else { SECOND };
-        let apart_k = APART.0.max(APART.1 * contrast);
+        let second = heard <= FEWEST;
         for (i, witness) in self.without.iter_mut().enumerate() {
             let case = &mut self.cases[i];
-            let testimony = if case.standing == Standing::LeftOut {
-                whole
+            if case.standing == Standing::LeftOut {
+                case.hear(i, readings[i], &whole, (window.dt_s, contrast, second));
             } else {
                 let testimony = witness.hear(model, &step, &readings);
-                let gain = testimony.likelihood - whole.likelihood;
-                case.surprise = (case.surprise + gain).clamp(BOUNDS.0, BOUNDS.1);
-                testimony
-            };
-            case.expected_k = Some(testimony.expected[i]);
-            case.residual_k = readings[i].map(|r| r - testimony.expected[i]);
-            let far = case.residual_k.is_none_or(|r| r.abs() > apart_k.max(APART.2 * testimony.sigma_k[i]));
-            let expected = testimony.expected[i];
-            (case.near_s, case.near_k) = match case.near_k {
-                _ if far => (0.0, None),
-                None => (window.dt_s, Some((expected, expected))),
-                Some((least, most)) => (case.near_s + window.dt_s, Some((least.min(expected), most.max(expected)))),
-            };
-            case.guilty = case.residual_k.is_some_and(|r| r.abs() > many * GUILTY.0.max(GUILTY.1 * contrast));
-            case.others_fit += -(-window.dt_s / FIT_S).exp_m1() * (testimony.squared - case.others_fit);
-            case.doubted_s = if case.standing == Standing::Doubted { case.doubted_s + window.dt_s } else { 0.0 };
-        }
-        self.judge(
-            model,
-            own_k,
-            heard >= if gyro.is_some() { FEWEST } else { FEWEST + 1 },
-            (many, BACK.0.max(BACK.1 * contrast)),
-        );
-    }
-
-    /// From surprises to standings.
-    fn judge(&mut self, model: &Model, own_k: f64, heard: bool, (many, back_k): (f64, f64)) {
-        let n = model.sensors();
-        for i in 0..n {
-            let case = self.cases[i];
-            let moved_k = case.near_k.map_or(0.0, |(least, most)| most - least);
-            let back = case.near_s > BACK_S && moved_k > back_k || case.near_s > BACK_AT_LAST_S;
-            if case.standing == Standing::LeftOut && back {
-                self.cases[i] = Case::default();
-                if let Some(all) = self.all.take() {
-                    self.swear(model, all.hearing(i, own_k));
-                }
-                return;
+                case.surprise = (case.surprise + testimony.likelihood - whole.likelihood).clamp(BOUNDS.0, BOUNDS.1);
+                case.hear(i, readings[i], &testimony, (window.dt_s, contrast, second));
             }
         }
-        let small = |c: &Case| c.doubted_s > DOUBT_S && !c.guilty;
-        if self.cases[..n].iter().any(small) && !self.cases[..n].iter().any(|c| c.doubted_s > 0.0 && c.guilty) {
-            return self.restart();
-        }
-        // Once one is suspect all are as surprising that might be the cause as well.
-        let most = self.cases[..n]
-            .iter()
-            .filter(|c| c.is_suspect())
-            .map(|c| c.surprise)
-            .fold(f64::INFINITY, |a, b| if a.is_finite() { a.max(b) } else { b });
-        let heard = heard && self.elsewhere() < most - AHEAD;
-        let plausible = |c: &Case| heard && c.standing != Standing::LeftOut && c.surprise > most - AHEAD;
-        let count = self.cases[..n].iter().filter(|c| plausible(c)).count();
-        let mut convicted = None;
-        for (i, case) in self.cases[..n].iter_mut().enumerate() {
-            let plausible = plausible(case);
-            case.ahead = if plausible && count == 1 && case.guilty && case.others_fit < FIT && most > many * CONVICT {
-                case.ahead + 1
-            } else {
-                0
-            };
-            if case.ahead >= STEPS {
-                convicted = Some(i);
-            }
-            if case.standing != Standing::LeftOut {
-                let doubted = plausible && count <= DOUBTED;
-                case.standing = if doubted { Standing::Doubted } else { Standing::Heard };
-            }
-        }
-        if let Some(k) = convicted {
-            self.cases[k].standing = Standing::LeftOut;
-            let all = self.without[k].clone();
-            self.swear(model, all);
-        }
-    }
-
-    /// Whether a sensor surprises, or few do, and it is not decided which is to be left out.
-    pub fn undecided(&self) -> bool {
-        let most =
-            self.cases.iter().filter(|c| c.standing != Standing::LeftOut).map(|c| c.surprise).fold(0.0, f64::max);
-        most > self.elsewhere().max(0.0)
-    }
-
-    /// How much less the readings surprise where neither sensor is to blame: the gyro is, or the weather.
-    fn elsewhere(&self) -> f64 {
-        self.others.iter().map(|o| o.surprise).fold(f64::NEG_INFINITY, f64::max)
+        let enough = heard >= if gyro.is_some() { FEWEST } else { FEWEST + 1 };
+        self.judge(model, own_k, enough, second);
     }
 
     /// All witnesses begin with what one of them knows.
@@ -372,19 +211,9 @@ impl Witnesses {
         let n = model.sensors();
         self.without.clear();
         self.without.extend((0..n).map(|i| all.deaf_to(i)));
-        for case in &mut self.cases[..n] {
-            (case.surprise, case.ahead, case.near_s) = (0.0, 0, 0.0);
-            if case.standing == Standing::Doubted {
-                case.standing = Standing::Heard;
-            }
-        }
+        self.cases[..n].iter_mut().for_each(Case::reopen);
         self.others.clear();
-        let mut other = |blames, witness| self.others.push(Other { blames, witness, surprise: BOUNDS.0 });
-        other(if self.shown.is_some() { Blames::Gyro } else { Blames::Pilot }, all.clone());
-        other(Blames::Weather, all.clone());
-        for (i, j) in opposed(model) {
-            other(Blames::Scene, all.deaf_to(i).deaf_to(j));
-        }
+        self.others.extend(Other::all(model, &all, self.shown.is_some()));
         self.all = Some(all);
     }
 }

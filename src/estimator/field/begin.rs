@@ -1,0 +1,79 @@
+//! What the filter begins with.
+
+use super::adapt::{SceneStrength, Whiteness};
+use super::aid::Aid;
+use super::correct::Misfit;
+use super::start::start;
+use super::state::{CONTRAST, DEPTH, GROUND, LAG, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SIDE, State, TURN};
+use super::{FieldEstimator, Tuning};
+use crate::time::Time;
+
+/// How much moves, before it is seen: body rates about the nose and across it, the contrast, the sensors' own scenes.
+pub fn paces(t: &Tuning) -> ([Whiteness; 2], Whiteness, SceneStrength) {
+    let rate = Whiteness::new(0.1, (t.rate_learning, t.rate_learning), (0.1, 8.0));
+    let contrast = Whiteness::new(0.15, (t.contrast.1, 0.5), (1.0, 200.0));
+    (std::array::from_fn(|_| rate.clone()), contrast, SceneStrength::new(t.scene.1, t.scene_learning_s))
+}
+
+impl FieldEstimator {
+    /// Begins with what one frame says; `false` where that is not enough.
+    pub(super) fn begin(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) -> bool {
+        let t = self.tuning;
+        let Some(start) = start(&self.model, readings, self.needed().0, &t) else {
+            return false;
+        };
+        self.last = Some((now, now));
+        self.aid = Aid::default();
+        self.misfit = Misfit::default();
+        self.unlike = false;
+        (self.rates, self.contrast, self.scene) = paces(&t);
+        self.scene.begin(t.scene.0 * (start.scene.contrast_k.abs() / 35.0).min(1.0));
+        self.state = State::new(self.model.sensors());
+        let s = &mut self.state;
+        s.axes = start.axes;
+        s.x[GROUND] = start.scene.ground_c;
+        s.x[CONTRAST] = start.scene.contrast_k;
+        s.x[DEPTH] = start.scene.ln_depth;
+        s.x[RADIANCE] = t.radiance.0;
+        let sigmas = [
+            (TURN, 0.1),
+            (TURN + 1, 0.1),
+            (TURN + 2, 0.1),
+            (GROUND, 2.0),
+            (CONTRAST, (0.15 * start.scene.contrast_k).hypot(1.0)),
+            (DEPTH, t.depth.1),
+            (RADIANCE, t.radiance.1),
+            (OFFSET, t.offset.0),
+            (OFFSET + 1, t.offset.0),
+        ];
+        for (i, sigma) in sigmas {
+            s.set_variance(i, sigma * sigma);
+        }
+        for (i, reading) in readings.iter().enumerate().take(self.model.sensors()) {
+            let plain = self.model.seen(i, &s.axes, &start.scene).value;
+            s.plain[i] = plain;
+            s.x[SEEN + i] = reading.unwrap_or(plain);
+            s.set_variance(SEEN + i, 1.0);
+            s.set_variance(s.scene(i), self.scene.variance());
+        }
+        self.set_rates();
+        true
+    }
+
+    /// Rates without a gyro, or a gyro's bias: both begin at zero. What only a gyro can tell goes with it.
+    pub(super) fn set_rates(&mut self) {
+        let (t, s, gyro) = (&self.tuning, &mut self.state, self.gyro.in_use());
+        for i in 0..3 {
+            s.x[RATE + i] = 0.0;
+            s.set_variance(RATE + i, (if gyro { t.bias.0 } else { t.rate_sigma[i] }).powi(2));
+        }
+        for i in SIDE..SIDE + 4 {
+            s.x[i] = 0.0;
+            s.set_variance(i, if gyro { t.side.0.powi(2) } else { 0.0 });
+        }
+        self.sided = false;
+        self.turned = 0.0;
+        s.x[LAG] = 0.0;
+        s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });
+    }
+}

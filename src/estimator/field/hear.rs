@@ -1,0 +1,79 @@
+//! Which readings are heard: new ones, of sensors that nothing speaks against.
+
+use super::predict::{Pace, scene};
+use super::state::{LAG, MAX_SENSORS, RATE};
+use super::stuck::Stuck;
+use super::witness::Known;
+use super::{FieldEstimator, GAP_S};
+use crate::estimator::vector::add_scaled;
+use crate::estimator::{Hearing, Standing};
+use crate::frame::Frame;
+use crate::time::Time;
+
+/// So long a sensor is taken to be the cause of what does not fit, s.
+const UNDECIDED_S: f64 = 5.0;
+
+impl FieldEstimator {
+    /// The readings of `frame` that are newer than the last of their sensor, and the newest stamp.
+    pub(super) fn readings(&mut self, frame: &Frame) -> ([Option<f64>; MAX_SENSORS], Option<Time>) {
+        // A clock that has been set back begins anew.
+        let restart = |last: Time| frame.sample_time().is_some_and(|now| now.since(last) < -GAP_S);
+        if self.last.is_some_and(|(last, _)| restart(last)) {
+            (self.last, self.stamps) = (None, [None; MAX_SENSORS]);
+        }
+        let mut newest = None;
+        let mut readings: [Option<f64>; MAX_SENSORS] = std::array::from_fn(|i| {
+            let (value, time) = self.model.reading(i, frame)?;
+            if self.stamps[i].is_some_and(|stamp| time <= stamp) {
+                return None;
+            }
+            self.stamps[i] = Some(time);
+            newest = newest.max(Some(time));
+            self.stuck[i].update(value, self.state.plain[i], time);
+            Some(value)
+        });
+        self.is_stuck = Stuck::among(&self.stuck);
+        for (reading, stuck) in readings.iter_mut().zip(self.is_stuck) {
+            *reading = reading.filter(|_| !stuck);
+        }
+        (readings, newest)
+    }
+
+    /// Whether the witnesses are about to decide on a sensor; they are given a while.
+    pub(super) fn undecided(&mut self, now: Time) -> bool {
+        if self.witnesses.undecided() {
+            now.since(*self.undecided_since.get_or_insert(now)) < UNDECIDED_S
+        } else {
+            self.undecided_since = None;
+            false
+        }
+    }
+
+    /// Leaves out what the witnesses do not believe.
+    pub(super) fn consult(&mut self, readings: &mut [Option<f64>; MAX_SENSORS], pace: &Pace, dt_s: f64) {
+        let s = &self.state;
+        let bias = [s.x[RATE], s.x[RATE + 1], s.x[RATE + 2]];
+        let known = Known {
+            axes: s.axes,
+            sky: scene(s),
+            pace,
+            gyro: self.gyro.rates().map(|rates| add_scaled(rates, 1.0, bias)),
+            lag_s: self.tuning.lag_s * s.x[LAG].clamp(-2.0, 2.0).exp(),
+        };
+        if self.blind {
+            self.witnesses.restart();
+        } else if self.model.is_absolute() {
+            self.witnesses.update(&self.model, &self.tuning, &known, readings, dt_s);
+        }
+        for (i, reading) in readings.iter_mut().enumerate() {
+            *reading = reading.filter(|_| self.witnesses.standing(i) == Standing::Heard);
+        }
+    }
+
+    pub(super) fn hearing(&self, i: usize) -> Hearing {
+        let (expected_k, apart_k) = self.witnesses.of(i);
+        let standing = if self.is_stuck[i] { Standing::Stuck } else { self.witnesses.standing(i) };
+        let residual_k = if standing == Standing::Heard { self.residual_k(i) } else { apart_k };
+        Hearing { standing, expected_k, residual_k, lost: self.witnesses.lost(i) }
+    }
+}

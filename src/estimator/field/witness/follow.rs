@@ -1,0 +1,61 @@
+//! Whether a sensor follows what it should show: one under a film does not, one that looks at a wall does.
+
+/// Over this time, s.
+const OVER_S: f64 = 4.0;
+/// What it should show must change by so much, K rms, to see what it follows.
+const CHANGES_K: f64 = 0.7;
+
+/// Weights, means, and the second moments of what it should show and shows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Follow {
+    sums: [f64; 5],
+}
+
+impl Follow {
+    /// Takes in what it should show and shows, K, `dt_s` after the last.
+    pub fn update(&mut self, expected: f64, shown: f64, dt_s: f64) {
+        let keep = (-dt_s / OVER_S).exp();
+        let sample = [1.0, expected, shown, expected * expected, expected * shown];
+        self.sums.iter_mut().zip(sample).for_each(|(s, x)| *s = keep * *s + (1.0 - keep) * x);
+    }
+
+    /// How much it does not follow of what it should show, where that has changed: 0 for all of it, 1 for nothing.
+    pub fn lost(&self) -> Option<f64> {
+        let [w, e, z, ee, ez] = self.sums;
+        if w < 0.2 {
+            return None;
+        }
+        let [e, z, ee, ez] = [e / w, z / w, ee / w, ez / w];
+        let changes = ee - e * e;
+        (changes > CHANGES_K * CHANGES_K).then(|| 1.0 - (ez - e * z) / changes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// So many seconds at 20 Hz of what changes by `swing_k` to either side, behind a film of share `film` at 24 °C.
+    fn lost(film: f64, swing_k: f64, seconds: f64) -> Option<f64> {
+        let mut follow = Follow::default();
+        for i in 0..(20.0 * seconds) as u32 {
+            let due = 5.0 + swing_k * (0.05 * f64::from(i)).sin();
+            follow.update(due, film * 24.0 + (1.0 - film) * due, 0.05);
+        }
+        follow.lost()
+    }
+
+    #[test]
+    fn a_film_is_what_does_not_follow() {
+        for film in [0.0, 0.3, 0.92, 1.0] {
+            let lost = lost(film, 6.0, 5.0).unwrap();
+            assert!((lost - film).abs() < 1e-9, "{film}: {lost}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_change_proves_nothing() {
+        assert_eq!(lost(0.9, 0.3, 5.0), None);
+        assert_eq!(lost(0.9, 6.0, 0.5), None, "too soon");
+    }
+}

@@ -1,0 +1,90 @@
+//! doctor and set-address on a kernel's bus, without a daemon.
+
+use crate::mlx::{NAMES, SixMlx, word};
+use crate::rig::{Adapter, CTL, Chip, Folder};
+use serde_json::Value;
+use std::fs;
+use std::process::{Command, Output};
+
+/// Nobody is asked on D-Bus: there is no such bus.
+fn ctl(args: &[&str]) -> Output {
+    Command::new(CTL).args(["--bus", "unix:path=/nonexistent/bus"]).args(args).output().unwrap()
+}
+
+/// A sensor as it leaves the factory, but at `address`.
+fn fresh(bus: &Adapter, address: u16) -> Chip {
+    let mut chip = bus.chip(address);
+    for (cell, value) in [(0x06, word(21.0)), (0x07, word(9.0)), (0x2E, 0xBE00 | address), (0x3C, 0x1234)] {
+        chip.write(cell, value);
+    }
+    chip
+}
+
+fn findings(bus: &Adapter) -> Vec<Value> {
+    let folder = Folder::new();
+    let file = folder.path("irhorizon.toml");
+    fs::write(&file, SixMlx::config(bus)).unwrap();
+    let output = ctl(&["doctor", "--json", &file.display().to_string()]);
+    let value: Value = serde_json::from_slice(&output.stdout).unwrap();
+    value["findings"].as_array().unwrap().clone()
+}
+
+/// The findings of `check`: on what, and how it stands.
+fn of(found: &[Value], check: &str) -> Vec<(String, String)> {
+    let text = |f: &Value, key: &str| f[key].as_str().unwrap().to_owned();
+    found.iter().filter(|f| f["check"] == check).map(|f| (text(f, "on"), text(f, "verdict"))).collect()
+}
+
+#[test]
+fn a_sensor_gets_its_address_through_the_kernel() {
+    for (bus, pec) in [(Adapter::fault as fn(&[u16]) -> Adapter, "pec"), (Adapter::stub, "no pec")] {
+        let bus = bus(&[0x5a]);
+        let mut chip = fresh(&bus, 0x5a);
+        let output = ctl(&["set-address", "0x5b", "--yes", "--i2c-bus", &bus.path]);
+        let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{pec}: {said}");
+        assert!(said.contains("0x5a  MLX90614"), "{said}");
+        assert_eq!(chip.read(0x2E), 0xBE5B, "{pec}");
+    }
+}
+
+#[test]
+fn two_sensors_are_left_as_they_are() {
+    let bus = Adapter::fault(&[0x5a, 0x5c]);
+    let mut chips = [0x5a, 0x5c].map(|a| fresh(&bus, a));
+    let output = ctl(&["set-address", "0x5b", "--yes", "--i2c-bus", &bus.path]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(chips.each_mut().map(|c| c.read(0x2E)), [0xBE5A, 0xBE5C]);
+}
+
+#[test]
+fn doctor_reads_what_there_is_and_writes_nothing() {
+    let bus = Adapter::fault(&[0x5b, 0x5c, 0x5d, 0x5e, 0x5f, 0x60]);
+    let _six = SixMlx::new(&bus);
+    let mut chip = bus.chip(0x5b);
+    let before: Vec<u16> = (0x20..0x40).map(|cell| chip.read(cell)).collect();
+    let found = findings(&bus);
+    let (all, ok) = (NAMES.join(", "), "ok".to_owned());
+    assert_eq!(of(&found, "answers"), NAMES.map(|n| (n.to_owned(), ok.clone())));
+    assert_eq!(of(&found, "pec"), [(all.clone(), ok.clone())]);
+    assert_eq!(of(&found, "settling"), [(all, ok.clone())]);
+    assert_eq!(of(&found, "adapter"), [(bus.path.clone(), ok)]);
+    assert_eq!((0x20..0x40).map(|cell| chip.read(cell)).collect::<Vec<_>>(), before);
+}
+
+#[test]
+fn doctor_says_what_is_missing() {
+    let bus = Adapter::stub(&[0x5b, 0x5c, 0x5d, 0x5e, 0x5f, 0x60]);
+    let mut six = SixMlx::new(&bus);
+    six.write([0x8000, word(10.0), word(10.0), word(10.0), word(-20.0), word(15.0)]);
+    let found = findings(&bus);
+    assert_eq!(of(&found, "adapter"), [(bus.path.clone(), "warn".to_owned())]);
+    assert_eq!(of(&found, "error-flag"), [("nose".to_owned(), "fail".to_owned())]);
+    drop(six);
+    let path = bus.path.clone();
+    drop(bus);
+    let bus = Adapter::stub(&[0x5b]);
+    assert_eq!(bus.path, path);
+    let silent = of(&findings(&bus), "answers");
+    assert_eq!(silent.iter().filter(|(_, verdict)| verdict == "fail").count(), 5, "{silent:?}");
+}
