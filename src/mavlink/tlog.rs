@@ -29,10 +29,16 @@ struct Desk {
     called: Condvar,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Waiting {
     bytes: Vec<u8>,
     closing: bool,
+}
+
+impl Default for Waiting {
+    fn default() -> Self {
+        Self { bytes: Vec::with_capacity(MOST_BYTES), closing: false }
+    }
 }
 
 impl Desk {
@@ -127,7 +133,7 @@ struct Clerk {
 
 impl Clerk {
     fn run(&mut self) {
-        let mut fetched: Vec<u8> = Vec::new();
+        let mut fetched: Vec<u8> = Vec::with_capacity(MOST_BYTES);
         let mut written = 0;
         loop {
             let closing = {
