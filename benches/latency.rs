@@ -51,10 +51,8 @@ fn main() {
     let receiver = UdpSocket::bind("127.0.0.1:0").expect("a loopback port");
     receiver.set_read_timeout(Some(Duration::from_secs(1))).expect("a timeout");
     let mut settings = Settings { simulation: Some(SimulationSettings::default()), ..Settings::default() };
-    settings.mavlink.endpoints = vec![EndpointSettings {
-        address: EndpointAddress::UdpOut(receiver.local_addr().expect("an address")),
-        attitude_hz: None,
-    }];
+    let to = EndpointAddress::UdpOut(receiver.local_addr().expect("an address"));
+    settings.mavlink.endpoints = vec![EndpointSettings::from(to)];
     let head = settings.head();
     let ends = Arc::new(Mutex::new(HashMap::new()));
     let source = Noted {

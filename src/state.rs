@@ -1,10 +1,16 @@
 //! The one shared state: written by the sampling loop, read by every publisher.
+//!
+//! Whoever has nothing else to wait for waits for [`Shared::wait_beyond`]; whoever waits for file descriptors as well
+//! has a [`Bell`] among them.
 
 use crate::attitude::Estimate;
 use crate::frame::Frame;
 use crate::source::SensorHealth;
 use crate::time::Time;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use rustix::event::{EventfdFlags, eventfd};
+use std::io;
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
 /// What the sampling loop says after each frame.
@@ -34,6 +40,24 @@ pub struct Snapshot {
 pub struct Shared {
     snapshot: Mutex<Snapshot>,
     changed: Condvar,
+    bells: Mutex<Vec<Weak<OwnedFd>>>,
+}
+
+/// Rings at every change of the state: its file descriptor can be read from then.
+#[derive(Debug)]
+pub struct Bell(Arc<OwnedFd>);
+
+impl Bell {
+    /// Is silent until the next change.
+    pub fn hush(&self) {
+        let _ = rustix::io::read(&self.0, &mut [0_u8; 8]);
+    }
+}
+
+impl AsFd for Bell {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.0.as_fd()
+    }
 }
 
 impl Shared {
@@ -46,6 +70,21 @@ impl Shared {
     pub fn update(&self, change: impl FnOnce(&mut Snapshot)) {
         change(&mut self.lock());
         self.changed.notify_all();
+        self.bells.lock().unwrap_or_else(PoisonError::into_inner).retain(|bell| {
+            let bell = bell.upgrade();
+            if let Some(bell) = &bell {
+                // One that cannot be rung has rung already.
+                let _ = rustix::io::write(bell, &1_u64.to_ne_bytes());
+            }
+            bell.is_some()
+        });
+    }
+
+    /// A bell for every change from now on, until it is dropped.
+    pub fn bell(&self) -> io::Result<Bell> {
+        let bell = Arc::new(eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?);
+        self.bells.lock().unwrap_or_else(PoisonError::into_inner).push(Arc::downgrade(&bell));
+        Ok(Bell(bell))
     }
 
     /// Waits until a frame later than `seen` is there, the daemon stops, or `timeout` is over;

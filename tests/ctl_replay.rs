@@ -30,7 +30,7 @@ fn settings() -> Settings {
             back_after_s: 0.5,
             ..Settings::default().faults
         },
-        mavlink: MavlinkSettings { system_id: 1, component_id: 191, sys_status: false, endpoints: Vec::new() },
+        mavlink: MavlinkSettings { system_id: Some(1), ..Settings::default().mavlink },
         dbus: DbusSettings { bus: Some(BusAddress::System), update_hz: 10.0 },
         simulation: None,
     }

@@ -67,7 +67,10 @@ fn busctl_reads_what_was_estimated() {
         ("SampleTimeUsec", "t 5000000"),
         ("RateHz", "d 50"),
         ("Version", &format!("s \"{}\"", env!("CARGO_PKG_VERSION"))),
-        ("Endpoints", "a(stts) 1 \"udpout:127.0.0.1:14550\" 42 1 \"connection refused\""),
+        (
+            "Endpoints",
+            "a(sa(st)s) 1 \"udpout:127.0.0.1:14550\" 8 \"sent\" 42 \"failed\" 1 \"dropped\" 0 \"received\" 7 \"skipped-bytes\" 0 \"bad-crc\" 0 \"peers\" 1 \"tlog-lost\" 0 \"connection refused\"",
+        ),
     ] {
         assert_eq!(bus.property(name), value, "{name}");
     }

@@ -3,6 +3,7 @@
 
 use irhorizon::attitude::{Attitude, Estimate, Mode};
 use irhorizon::clock;
+use irhorizon::config::Settings;
 use irhorizon::config::settings::{EndpointAddress, EndpointSettings, MavlinkSettings};
 use irhorizon::fault::{ActiveFault, Evidence, FaultKind};
 use irhorizon::frame::Missing;
@@ -47,8 +48,8 @@ fn hear(endpoint: EndpointSettings, args: &[&str], estimate: impl Fn(u64, &mut E
         assert_ne!(said.read_line(&mut line).unwrap(), 0, "the client ended: {line}");
     }
     let shared = Shared::default();
-    let settings = MavlinkSettings { system_id: 3, component_id: 191, sys_status: false, endpoints: vec![endpoint] };
-    let switchboard = Switchboard::new(settings, Arc::new(Head::six()));
+    let mavlink = MavlinkSettings { system_id: Some(3), endpoints: vec![endpoint], ..Settings::default().mavlink };
+    let switchboard = Switchboard::new(mavlink, Arc::new(Head::six()));
     let done = AtomicBool::new(false);
     let output = std::thread::scope(|scope| {
         scope.spawn(|| run(&shared, &switchboard));
@@ -93,7 +94,7 @@ fn near(value: &Value, expected: f64, tolerance: f64) -> bool {
 fn pymavlink_hears_attitude_and_heartbeat() {
     let to = free_port();
     let csv = std::env::temp_dir().join(format!("irhorizon-attitude-{}.csv", std::process::id()));
-    let endpoint = EndpointSettings { address: EndpointAddress::UdpOut(to), attitude_hz: None };
+    let endpoint = EndpointSettings::from(EndpointAddress::UdpOut(to));
     let args = ["--listen", &to.to_string(), "--seconds", "4", "--csv", csv.to_str().unwrap()];
     let begun = clock::now();
     let heard = hear(endpoint, &args, |i, estimate| {
@@ -139,7 +140,8 @@ fn pymavlink_hears_attitude_and_heartbeat() {
 #[test]
 fn pymavlink_as_a_peer_of_udpin_hears_faults_and_no_attitude_meanwhile() {
     let at = free_port();
-    let endpoint = EndpointSettings { address: EndpointAddress::UdpIn(at), attitude_hz: Some(10.0) };
+    let mut endpoint = EndpointSettings::from(EndpointAddress::UdpIn(at));
+    endpoint.streams.attitude_hz = Some(10.0);
     let args = ["--connect", &at.to_string(), "--seconds", "4"];
     let fault = ActiveFault {
         kind: FaultKind::SensorLost(0),

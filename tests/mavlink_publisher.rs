@@ -2,6 +2,7 @@
 
 use irhorizon::attitude::{Attitude, Mode};
 use irhorizon::clock;
+use irhorizon::config::Settings;
 use irhorizon::config::settings::{EndpointAddress, EndpointSettings, MavlinkSettings};
 use irhorizon::head::Head;
 use irhorizon::mavlink::publisher::{Switchboard, run};
@@ -51,8 +52,8 @@ impl Rig {
 }
 
 fn settings(endpoints: Vec<EndpointAddress>, component_id: u8) -> MavlinkSettings {
-    let endpoints = endpoints.into_iter().map(|address| EndpointSettings { address, attitude_hz: None }).collect();
-    MavlinkSettings { system_id: 1, component_id, sys_status: false, endpoints }
+    let endpoints = endpoints.into_iter().map(EndpointSettings::from).collect();
+    MavlinkSettings { system_id: Some(1), component_id, endpoints, ..Settings::default().mavlink }
 }
 
 fn receiver() -> (UdpSocket, EndpointAddress) {

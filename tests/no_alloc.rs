@@ -1,17 +1,22 @@
-//! The sampling loop, and every method's update by itself, allocate nothing once their first rounds are
-//! over: an allocator that counts what this thread asks for.
+//! The sampling loop, every method's update by itself, and the thread of MAVLink allocate nothing once their first
+//! rounds are over: an allocator that counts what a thread asks for.
 //!
 //! Faults come and go meanwhile, and a recording listens; what the log does with its lines is the
 //! logger's affair, so the one here formats them into nothing.
 
 mod methods;
 
+use irhorizon::attitude::{Attitude, Mode};
+use irhorizon::clock;
 use irhorizon::config::Settings;
-use irhorizon::config::settings::{Method, SimulationSettings};
+use irhorizon::config::settings::{EndpointAddress, EndpointSettings, MavlinkSettings, Method, SimulationSettings};
 use irhorizon::daemon::sampling::Sampling;
 use irhorizon::frame::{Frame, Missing};
 use irhorizon::head::Head;
 use irhorizon::horizon::Horizon;
+use irhorizon::mavlink::encode::Encoder;
+use irhorizon::mavlink::messages;
+use irhorizon::mavlink::publisher::{self, Switchboard};
 use irhorizon::recording::Taps;
 use irhorizon::simulation::fault::Kind;
 use irhorizon::simulation::{Fault, Outage, SimulatedSource};
@@ -19,9 +24,12 @@ use irhorizon::sky::FieldOfView;
 use irhorizon::source::FrameSource;
 use irhorizon::state::Shared;
 use irhorizon::time::Time;
+use mavlink::dialects::common::MavState;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::fmt::Write;
+use std::io::Write as _;
+use std::net::{TcpListener, TcpStream, UdpSocket};
 use std::os::fd::AsFd;
 use std::sync::Arc;
 
@@ -145,6 +153,62 @@ fn faults_come_and_go() {
     // All of them at once: nothing is fresh.
     outages.extend((0..6).map(|sensor| Outage { sensor, from_s: 90.0, to_s: 92.0, reason: Missing::NoAnswer }));
     assert_eq!(allocations(outages, true, 50, 5_000), 0);
+}
+
+/// Frames go out and messages come in, are heeded, answered and logged; one client takes nothing.
+#[test]
+fn endpoints_of_all_kinds() {
+    let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let [udp_in, tcp_in] = [0, 0].map(|_| TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap());
+    let tlog = std::env::temp_dir().join(format!("irhorizon-no-alloc-{}.tlog", std::process::id()));
+    let mut endpoints = [
+        EndpointAddress::UdpOut(receiver.local_addr().unwrap()),
+        EndpointAddress::UdpIn(udp_in),
+        EndpointAddress::TcpIn(tcp_in),
+    ]
+    .map(EndpointSettings::from);
+    endpoints[1].tlog = Some(tlog.clone());
+    let settings = MavlinkSettings { endpoints: endpoints.into(), ..Settings::default().mavlink };
+    let switchboard = Switchboard::new(settings, Arc::new(Head::six()));
+    let shared = Shared::default();
+    // Of the thread: allocations when the first message was heeded, and the last.
+    let (mut first, mut last, mut heeded) = (None, 0, 0);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            publisher::run_heeding(&shared, &switchboard, &mut |_, _, _, reply| {
+                last = ALLOCATIONS.get();
+                first.get_or_insert(last);
+                heeded += 1;
+                reply(&messages::heartbeat(MavState::MAV_STATE_ACTIVE));
+            });
+        });
+        while switchboard.endpoints().len() < 3 {
+            std::thread::yield_now();
+        }
+        let clients = [0; 2].map(|_| TcpStream::connect(tcp_in).unwrap());
+        receiver.send_to(b"hello", udp_in).unwrap();
+        let frame = Encoder::new(1, 1).encode(&messages::heartbeat(MavState::MAV_STATE_ACTIVE)).to_vec();
+        for i in 0..3000_u32 {
+            shared.update(|s| {
+                s.sequence += 1;
+                s.written = clock::now();
+                s.estimate.valid_at = s.written;
+                s.estimate.attitude = Some(Attitude::from_degrees(f64::from(i) * 0.01, 1.0));
+                s.estimate.mode = Mode::Nominal;
+            });
+            if i >= 200 && i % 10 == 0 {
+                receiver.send_to(&frame, udp_in).unwrap();
+                (&clients[0]).write_all(&frame).unwrap();
+            }
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        shared.update(|s| s.stopping = true);
+    });
+    let shown = switchboard.endpoints();
+    let _ = std::fs::remove_file(tlog);
+    println!("{shown:?}, {heeded} heeded");
+    assert!(heeded > 300 && shown[1].sent > 2000 && shown[2].sent > 4000, "{shown:?}");
+    assert_eq!(last - first.unwrap(), 0);
 }
 
 /// Every kind of fault on purpose, at the highest rate.

@@ -1,8 +1,8 @@
 //! What holds for everything that the configuration does not say.
 
 use super::settings::{
-    BusAddress, DbusSettings, EstimatorSettings, FaultSettings, HeadSettings, MavlinkSettings, OnFault, Settings,
-    SimulationSettings, SkyName, Streams,
+    BusAddress, DbusSettings, EndpointAddress, EndpointSettings, EstimatorSettings, FaultSettings, HeadSettings,
+    MavlinkSettings, OnFault, Settings, SimulationSettings, SkyName, Streams,
 };
 use std::time::Duration;
 
@@ -49,6 +49,13 @@ impl Default for Settings {
             dbus: DbusSettings { bus: Some(BusAddress::System), update_hz: 10.0 },
             simulation: None,
         }
+    }
+}
+
+/// An endpoint there with the default streams and no tlog.
+impl From<EndpointAddress> for EndpointSettings {
+    fn from(address: EndpointAddress) -> Self {
+        Self { address, streams: Streams::default(), tlog: None }
     }
 }
 

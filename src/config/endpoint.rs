@@ -25,6 +25,10 @@ pub fn read<'a>(mavlink: &mut Section<'a>, findings: &Findings<'a>, rate_hz: f64
             if let Some((first, _)) = read.iter().find(|(_, e)| e.address == address) {
                 s.wrong("address", &format!("is taken by the endpoint on {}", findings.line(*first, place)));
             }
+            if let Some((first, _)) = read.iter().find(|(_, e)| tlog.is_some() && e.tlog == tlog) {
+                let line = findings.line(*first, s.place("tlog"));
+                s.wrong("tlog", &format!("is the file of the endpoint on {line} too: give each its own"));
+            }
             read.push((place, EndpointSettings { address, streams, tlog }));
         }
         s.finish();

@@ -36,7 +36,7 @@ pub(super) fn status(
 ) -> Result<Status, ClientError> {
     let mut p = Properties(what, horizon);
     let faults: Vec<(String, u64, String)> = p.take("FaultDetails")?;
-    let endpoints: Vec<(String, u64, u64, String)> = p.take("Endpoints")?;
+    let endpoints: Vec<(String, Vec<(String, u64)>, String)> = p.take("Endpoints")?;
     let age_s = |usec: u64| now.since(Time::from_nanos(usec.saturating_mul(1_000)));
     let sample_time_usec = p.take("SampleTimeUsec")?;
     let (bearing_deg, strength_c) = (p.number("HintBearingDeg")?, p.number("HintStrengthC")?);
@@ -76,7 +76,7 @@ pub(super) fn status(
         sensors: sensors.into_iter().map(|(_, sensor)| sensor).collect(),
         endpoints: endpoints
             .into_iter()
-            .map(|(address, sent, failed, last_error)| Endpoint { address, sent, failed, last_error })
+            .map(|(address, counters, error)| Endpoint::from_counters(address, &counters, error))
             .collect(),
     })
 }

@@ -1,7 +1,7 @@
 //! The state as Prometheus text exposition, version 0.0.4: base units, a HELP and a TYPE for each
 //! metric. Angles are NaN while withheld, as on D-Bus: the series goes on and no value is made up.
 
-use super::view::Status;
+use super::view::{Endpoint, Status};
 use std::fmt::Write as _;
 
 /// The state in lines for a scrape; `None`: no daemon answers.
@@ -99,13 +99,20 @@ fn endpoints(t: &mut Text, s: &Status) {
     if s.endpoints.is_empty() {
         return;
     }
-    t.metric("mavlink_sent_total", "counter", "MAVLink messages sent.");
-    for e in &s.endpoints {
-        t.sample("mavlink_sent_total", &[("endpoint", &e.address)], e.sent as f64);
-    }
-    t.metric("mavlink_failed_total", "counter", "MAVLink messages that could not be sent.");
-    for e in &s.endpoints {
-        t.sample("mavlink_failed_total", &[("endpoint", &e.address)], e.failed as f64);
+    for (name, kind, help, value) in [
+        ("mavlink_sent_total", "counter", "MAVLink messages sent.", (|e| e.sent) as fn(&Endpoint) -> u64),
+        ("mavlink_failed_total", "counter", "MAVLink messages that could not be sent.", |e| e.failed),
+        ("mavlink_dropped_total", "counter", "MAVLink messages dropped for newer ones.", |e| e.dropped),
+        ("mavlink_received_total", "counter", "Good MAVLink messages that came in.", |e| e.received),
+        ("mavlink_skipped_bytes_total", "counter", "Bytes that were no message of the dialect.", |e| e.skipped_bytes),
+        ("mavlink_bad_crc_total", "counter", "MAVLink messages that came in damaged.", |e| e.bad_crc),
+        ("mavlink_tlog_lost_total", "counter", "MAVLink messages that did not get into the tlog.", |e| e.tlog_lost),
+        ("mavlink_peers", "gauge", "How many may be there to listen.", |e| e.peers),
+    ] {
+        t.metric(name, kind, help);
+        for e in &s.endpoints {
+            t.sample(name, &[("endpoint", &e.address)], value(e) as f64);
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The state as people read it.
 
 use super::error::{EXIT_FAILED, EXIT_OK, EXIT_WITHHELD};
-use super::view::{Hint, Status};
+use super::view::{Endpoint, Hint, Status};
 use std::fmt::Write as _;
 
 /// A smaller trim that was learnt is not spoken of, °.
@@ -59,10 +59,29 @@ pub fn plain(s: &Status) -> String {
     }
     for (i, e) in s.endpoints.iter().enumerate() {
         let label = if i == 0 { "mavlink" } else { "" };
-        let error = if e.last_error.is_empty() { String::new() } else { format!(": {}", e.last_error) };
-        line(label, &format!("{}  {} sent, {} failed{error}", e.address, e.sent, e.failed));
+        line(label, &endpoint(e));
     }
     t
+}
+
+/// `udpin:0.0.0.0:14550  512 sent, 0 failed, 20 received, 1 listening: what is wrong`; the rest where there is any.
+fn endpoint(e: &Endpoint) -> String {
+    let mut text = format!("{}  {} sent, {} failed", e.address, e.sent, e.failed);
+    for (count, what) in [
+        (e.dropped, "dropped"),
+        (e.received, "received"),
+        (e.bad_crc, "received damaged"),
+        (e.tlog_lost, "not in the tlog"),
+        (e.peers, "listening"),
+    ] {
+        if count > 0 {
+            let _ = write!(text, ", {count} {what}");
+        }
+    }
+    if !e.last_error.is_empty() {
+        let _ = write!(text, ": {}", e.last_error);
+    }
+    text
 }
 
 /// `+12.3° ± 0.8° right`, or that it is withheld.

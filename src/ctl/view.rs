@@ -118,6 +118,66 @@ pub struct Endpoint {
     pub sent: u64,
     /// Messages that could not be sent.
     pub failed: u64,
+    /// Messages dropped for newer ones, as the other side takes them too slowly.
+    pub dropped: u64,
+    /// Good messages that came in.
+    pub received: u64,
+    /// Bytes that came in and were no message of the dialect.
+    pub skipped_bytes: u64,
+    /// Messages that came in damaged.
+    pub bad_crc: u64,
+    /// How many may be there to listen now.
+    pub peers: u64,
+    /// Messages that did not get into the tlog.
+    pub tlog_lost: u64,
     /// Why the last one failed; empty when it did not.
     pub last_error: String,
+}
+
+impl Endpoint {
+    /// Its numbers by name, as on D-Bus.
+    pub fn counters(&self) -> [(&'static str, u64); 8] {
+        [
+            ("sent", self.sent),
+            ("failed", self.failed),
+            ("dropped", self.dropped),
+            ("received", self.received),
+            ("skipped-bytes", self.skipped_bytes),
+            ("bad-crc", self.bad_crc),
+            ("peers", self.peers),
+            ("tlog-lost", self.tlog_lost),
+        ]
+    }
+
+    /// Out of its numbers by name: one that is not named is 0.
+    pub fn from_counters(address: String, counters: &[(String, u64)], last_error: String) -> Self {
+        let of = |name: &str| counters.iter().find(|(n, _)| n == name).map_or(0, |(_, count)| *count);
+        Self {
+            address,
+            sent: of("sent"),
+            failed: of("failed"),
+            dropped: of("dropped"),
+            received: of("received"),
+            skipped_bytes: of("skipped-bytes"),
+            bad_crc: of("bad-crc"),
+            peers: of("peers"),
+            tlog_lost: of("tlog-lost"),
+            last_error,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_endpoint_comes_back_from_its_counters() {
+        let names = Endpoint::default().counters().map(|(name, _)| name);
+        let counters: Vec<(String, u64)> = names.iter().zip(1..).map(|(n, count)| ((*n).to_owned(), count)).collect();
+        let endpoint = Endpoint::from_counters("udpout:…".into(), &counters, "why".into());
+        let back: Vec<u64> = endpoint.counters().iter().map(|(_, count)| *count).collect();
+        assert_eq!(back, (1..=8).collect::<Vec<u64>>());
+        assert_eq!(Endpoint::from_counters("a".into(), &[], String::new()).sent, 0);
+    }
 }

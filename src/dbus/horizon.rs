@@ -3,6 +3,7 @@
 use super::info::Control;
 use super::live::Live;
 use crate::attitude::{Attitude, Hint};
+use crate::ctl::view::Endpoint;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use zbus::{Variant, interface};
 
@@ -186,11 +187,11 @@ impl Horizon {
         env!("CARGO_PKG_VERSION")
     }
 
-    /// The MAVLink endpoints: address, messages sent, messages that failed, the last error.
+    /// The MAVLink endpoints: address, named counts since start and how many listen, the last error.
     /// Changes are not signalled.
     #[zbus(property(emits_changed_signal = "false"))]
-    pub fn endpoints(&self) -> Vec<(String, u64, u64, String)> {
-        let endpoints = self.control.endpoints();
-        endpoints.into_iter().map(|e| (e.address, e.sent, e.failed, e.last_error)).collect()
+    pub fn endpoints(&self) -> Vec<(String, Vec<(String, u64)>, String)> {
+        let named = |e: &Endpoint| e.counters().map(|(name, count)| (name.to_owned(), count)).into();
+        self.control.endpoints().into_iter().map(|e| (e.address.clone(), named(&e), e.last_error)).collect()
     }
 }

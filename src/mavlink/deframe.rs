@@ -44,20 +44,19 @@ pub struct Packet<'a> {
 }
 
 impl<'a> Packet<'a> {
-    /// The message at the start of `bytes`. `Ok(None)`: there is none, nor will there be. `Err(())`: more bytes are
-    /// needed to tell.
-    fn at_start(bytes: &'a [u8]) -> Result<Option<Self>, More> {
+    /// The message at the start of `bytes`.
+    fn at_start(bytes: &'a [u8]) -> Result<Self, Not> {
         let v2 = match bytes.first() {
-            None => return Err(More),
+            None => return Err(Not::Yet),
             Some(&V2) => true,
             Some(&V1) => false,
-            Some(_) => return Ok(None),
+            Some(_) => return Err(Not::Message),
         };
         let header = if v2 { 10 } else { 6 };
-        let Some(head) = bytes.get(..header) else { return Err(More) };
+        let Some(head) = bytes.get(..header) else { return Err(Not::Yet) };
         let signed = v2 && head[2] & SIGNED != 0;
         if v2 && head[2] & !SIGNED != 0 {
-            return Ok(None);
+            return Err(Not::Message);
         }
         let end = header + usize::from(head[1]);
         let whole = end + 2 + if signed { SIGNATURE } else { 0 };
@@ -65,15 +64,15 @@ impl<'a> Packet<'a> {
         // There is no extra CRC of 0 in the dialect but for ids that it has not.
         let extra = MavMessage::extra_crc(id);
         if extra == 0 {
-            return Ok(None);
+            return Err(Not::Message);
         }
-        let Some(frame) = bytes.get(..whole) else { return Err(More) };
+        let Some(frame) = bytes.get(..whole) else { return Err(Not::Yet) };
         let crc = u16::from_le_bytes([frame[end], frame[end + 1]]);
         if ::mavlink::calculate_crc(&frame[1..end], extra) != crc {
-            return Ok(None);
+            return Err(Not::Whole);
         }
         let ids = if v2 { &head[4..7] } else { &head[2..5] };
-        Ok(Some(Self {
+        Ok(Self {
             bytes: frame,
             v2,
             sequence: ids[0],
@@ -82,25 +81,53 @@ impl<'a> Packet<'a> {
             id,
             payload: &frame[header..end],
             signature: signed.then(|| &frame[end + 2..]),
-        }))
+        })
     }
 }
 
-/// More bytes are needed.
+/// Why there is no message at the start of some bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct More;
+enum Not {
+    /// More bytes are needed to tell.
+    Yet,
+    /// It is none, or one that the dialect has not.
+    Message,
+    /// It looks like one that the dialect has, but its CRC does not hold.
+    Whole,
+}
+
+/// What was passed over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Skipped {
+    /// Bytes that belong to no message of the dialect.
+    pub bytes: u64,
+    /// What looked like a message of the dialect, but for its CRC.
+    pub bad_crc: u64,
+}
+
+impl Skipped {
+    /// Passes over the start of `bytes`, which is `not` one of a message; gives the rest.
+    fn over<'a>(&mut self, bytes: &'a [u8], not: Not) -> &'a [u8] {
+        let rest = next(bytes);
+        self.bytes += (bytes.len() - rest.len()) as u64;
+        self.bad_crc += u64::from(not == Not::Whole);
+        rest
+    }
+}
 
 /// Gives `heed` every message in a datagram. What is cut off at its end is lost.
-pub fn datagram(mut bytes: &[u8], mut heed: impl FnMut(Packet<'_>)) {
+pub fn datagram(mut bytes: &[u8], mut heed: impl FnMut(Packet<'_>)) -> Skipped {
+    let mut skipped = Skipped::default();
     while !bytes.is_empty() {
         match Packet::at_start(bytes) {
-            Ok(Some(packet)) => {
+            Ok(packet) => {
                 bytes = &bytes[packet.bytes.len()..];
                 heed(packet);
             }
-            Ok(None) | Err(More) => bytes = next(bytes),
+            Err(not) => bytes = skipped.over(bytes, not),
         }
     }
+    skipped
 }
 
 /// What follows the first byte, from the next one on with which a message may begin.
@@ -124,14 +151,16 @@ impl Default for Deframer {
 
 impl Deframer {
     /// Takes in what has arrived and gives `heed` every message that is whole now.
-    pub fn take(&mut self, mut bytes: &[u8], mut heed: impl FnMut(Packet<'_>)) {
+    pub fn take(&mut self, mut bytes: &[u8], mut heed: impl FnMut(Packet<'_>)) -> Skipped {
+        let mut skipped = Skipped::default();
         while !bytes.is_empty() {
             let taken = bytes.len().min(self.buffer.len() - self.held);
             self.buffer[self.held..self.held + taken].copy_from_slice(&bytes[..taken]);
             self.held += taken;
             bytes = &bytes[taken..];
-            self.drain(&mut heed);
+            self.drain(&mut skipped, &mut heed);
         }
+        skipped
     }
 
     /// Forgets a message begun: the stream is another one.
@@ -139,17 +168,17 @@ impl Deframer {
         self.held = 0;
     }
 
-    fn drain(&mut self, heed: &mut impl FnMut(Packet<'_>)) {
+    fn drain(&mut self, skipped: &mut Skipped, heed: &mut impl FnMut(Packet<'_>)) {
         let mut rest = &self.buffer[..self.held];
         loop {
             match Packet::at_start(rest) {
-                Ok(Some(packet)) => {
+                Ok(packet) => {
                     rest = &rest[packet.bytes.len()..];
                     heed(packet);
                 }
-                Ok(None) => rest = next(rest),
                 // At most one message less a byte stays: there is always room for more.
-                Err(More) => break,
+                Err(Not::Yet) => break,
+                Err(not) => rest = skipped.over(rest, not),
             }
         }
         let left = rest.len();
@@ -187,6 +216,18 @@ mod tests {
     }
 
     #[test]
+    fn what_is_passed_over_is_counted() {
+        let mut bytes = [b"noise".to_vec(), frames(3).concat(), b"more".to_vec()].concat();
+        assert_eq!(datagram(&bytes, |_| {}), Skipped { bytes: 9, bad_crc: 0 });
+        // The last byte of the second of three heartbeats of 21 bytes.
+        bytes[5 + 2 * 21 - 1] ^= 1;
+        let mut stream = Deframer::default();
+        let mut seen = 0;
+        assert_eq!(stream.take(&bytes, |_| seen += 1), Skipped { bytes: 9 + 21, bad_crc: 1 });
+        assert_eq!(seen, 2);
+    }
+
+    #[test]
     fn both_versions_are_read() {
         // HEARTBEAT of system 3, component 1: a quadrotor of ArduPilot, MAVLink 1.
         let mut v1 = vec![0xfe, 9, 7, 3, 1, 0, 0, 0, 0, 0, 2, 3, 0, 4, 3];
@@ -215,8 +256,10 @@ mod tests {
         #[test]
         fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..2000), piece in 1_usize..700) {
             let mut stream = Deframer::default();
-            bytes.chunks(piece).for_each(|piece| stream.take(piece, |_| {}));
-            datagram(&bytes, |_| {});
+            let mut skipped = 0;
+            bytes.chunks(piece).for_each(|piece| skipped += stream.take(piece, |_| {}).bytes);
+            prop_assert_eq!(skipped + stream.held as u64, bytes.len() as u64);
+            prop_assert_eq!(datagram(&bytes, |_| {}).bytes, bytes.len() as u64);
         }
     }
 }

@@ -6,8 +6,10 @@
 //! - [`encode`]: messages as bytes, numbered.
 //! - [`deframe`]: whole messages out of bytes, whatever is between them; pure.
 //! - [`heard`]: those of them that are heeded; pure.
+//! - [`pace`]: not too often; pure.
 //! - [`trouble`]: what can go wrong with an endpoint, in words.
-//! - [`endpoint`]: the UDP sockets, with their statistics.
+//! - [`endpoint`]: the sockets and ttys, with their statistics.
+//! - [`tlog`]: what went out and came in, in a file.
 //! - [`publisher`]: the thread that ties them to the shared state.
 
 pub mod decimator;
@@ -16,6 +18,8 @@ pub mod encode;
 pub mod endpoint;
 pub mod heard;
 pub mod messages;
+pub mod pace;
 pub mod publisher;
 pub mod session;
+pub mod tlog;
 pub mod trouble;

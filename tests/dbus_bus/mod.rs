@@ -184,7 +184,8 @@ impl Control for Fake {
 
     fn endpoints(&self) -> Vec<Endpoint> {
         let address = "udpout:127.0.0.1:14550".to_owned();
-        vec![Endpoint { address, sent: 42, failed: 1, last_error: "connection refused".to_owned() }]
+        let last_error = "connection refused".to_owned();
+        vec![Endpoint { address, sent: 42, failed: 1, received: 7, peers: 1, last_error, ..Endpoint::default() }]
     }
 
     fn reload(&self) -> Receiver<Result<(), String>> {
