@@ -6,6 +6,7 @@
 //! - [`encode`]: messages as bytes, numbered.
 //! - [`deframe`]: whole messages out of bytes, whatever is between them; pure.
 //! - [`heard`]: those of them that are heeded; pure.
+//! - [`service`]: what is answered to commands and parameter requests; pure.
 //! - [`trouble`]: what can go wrong with an endpoint, in words.
 //! - [`endpoint`]: the UDP sockets, with their statistics.
 //! - [`publisher`]: the thread that ties them to the shared state.
@@ -17,5 +18,6 @@ pub mod endpoint;
 pub mod heard;
 pub mod messages;
 pub mod publisher;
+pub mod service;
 pub mod session;
 pub mod trouble;
