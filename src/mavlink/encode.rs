@@ -1,6 +1,8 @@
 //! Messages as bytes: MAVLink 2 frames, numbered, in a buffer that is used again.
 
+use super::deframe::SIGNATURE;
 use super::messages::Message;
+use super::signing::{SIGNED, Signing};
 use ::mavlink::{MAVLinkV2MessageRaw, MavHeader};
 
 /// What makes frames of messages for one endpoint; each endpoint counts its own.
@@ -25,9 +27,25 @@ impl Encoder {
 
     /// The frame of `message` with the next sequence number.
     pub fn encode(&mut self, message: &Message) -> &[u8] {
+        self.write(message, 0);
+        self.raw.raw_bytes()
+    }
+
+    /// The frame of `message` with the next sequence number, signed for link `link` at the time `wall`.
+    pub fn encode_signed(&mut self, message: &Message, signing: &mut Signing, link: u8, wall: u64) -> &[u8] {
+        self.write(message, SIGNED);
+        // Header, payload, CRC; the frame's own length counts the signature once the flag is set.
+        let end = 10 + usize::from(self.raw.payload_length()) + 2 + SIGNATURE;
+        if let Some(frame) = self.raw.as_mut_slice().get_mut(..end) {
+            signing.sign(frame, link, wall);
+        }
+        self.raw.raw_bytes()
+    }
+
+    fn write(&mut self, message: &Message, flags: u8) {
+        *self.raw.incompatibility_flags_mut() = flags;
         message.serialize(self.header, &mut self.raw);
         self.header.sequence = self.header.sequence.wrapping_add(1);
-        self.raw.raw_bytes()
     }
 }
 

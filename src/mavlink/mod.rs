@@ -7,6 +7,7 @@
 //! - [`deframe`]: whole messages out of bytes, whatever is between them; pure.
 //! - [`heard`]: those of them that are heeded; pure.
 //! - [`service`]: what is answered to commands and parameter requests; pure.
+//! - [`signing`]: messages signed, and those that arrive checked.
 //! - [`trouble`]: what can go wrong with an endpoint, in words.
 //! - [`endpoint`]: the UDP sockets, with their statistics.
 //! - [`publisher`]: the thread that ties them to the shared state.
@@ -20,4 +21,5 @@ pub mod messages;
 pub mod publisher;
 pub mod service;
 pub mod session;
+pub mod signing;
 pub mod trouble;

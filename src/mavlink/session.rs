@@ -76,6 +76,9 @@ impl Seen {
     }
 }
 
+/// One form of the attitude, if there is any.
+type Form = fn(&Seen) -> Option<Message>;
+
 /// What became of a request for a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
@@ -261,7 +264,7 @@ impl Session {
         }
         let Rates { attitude, quaternion, covariance, .. } = &mut self.rates;
         let time = seen.valid_at;
-        let forms: [(_, fn(&Seen) -> Option<Message>); 3] =
+        let forms: [(_, Form); 3] =
             [(attitude, messages::attitude), (quaternion, messages::quaternion), (covariance, messages::covariance)];
         for (pace, form) in forms {
             if pace.rate() != Rate::Never

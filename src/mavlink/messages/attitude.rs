@@ -114,7 +114,7 @@ mod tests {
     fn the_covariance_is_of_roll_pitch_and_yaw_row_by_row() {
         let Some(Message::Covariance(m)) = covariance(&seen(0.0, 0.0, Some(1.0))) else { panic!() };
         assert_eq!(m.time_usec, 12_345_678);
-        let expected = [0.0009, 0.0, 0.0, 0.0, 0.0025, 0.0, 0.0, 0.0, 3.289_868_1];
+        let expected = [0.0009, 0.0, 0.0, 0.0, 0.0025, 0.0, 0.0, 0.0, 3.289_868];
         assert!(m.covariance.iter().zip(expected).all(|(c, e): (&f32, f32)| (c - e).abs() < 1e-6), "{m:?}");
     }
 

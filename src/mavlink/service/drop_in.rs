@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn it_is_a_drop_in_of_the_configuration() {
-        let main = "[simulation]\nenabled = true\n[[mavlink.endpoint]]\naddress = \"udpout:127.0.0.1:1\"\n";
+        let main = "[simulation]\nenabled = true\n[[mavlink.endpoint]]\naddress = \"udpout:localhost:1\"\n";
         let address = Section::Endpoint("udpout:127.0.0.1:1".into());
         let kept = with("", &[change(address, "texts", "false"), change(Section::Table("mavlink"), "yaw", "true")]);
         let files = [("a.toml".into(), main.to_owned()), ("b.toml".into(), kept)];
