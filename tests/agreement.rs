@@ -6,6 +6,7 @@ mod dbus_bus;
 use dbus_bus::{Bus, Daemon};
 use irhorizon::attitude::{Attitude, Estimate, Mode};
 use irhorizon::config::Settings;
+use irhorizon::config::settings::Streams;
 use irhorizon::config::settings::{Method, OnFault};
 use irhorizon::ctl::replay::replay;
 use irhorizon::direction::Direction;
@@ -82,13 +83,13 @@ fn agree(on_fault: OnFault) -> Vec<(Mode, bool)> {
     let bus = Bus::new();
     let daemon = Daemon::start(&bus);
     let mut client = bus.client();
-    let mut stream = Session::new(said[0].0, 0, None);
+    let mut stream = Session::new(said[0].0, 0, &Streams::default());
     let (mut seen, mut modes) = (Seen::default(), Vec::new());
     for (i, ((now, estimate), row)) in said.iter().zip(&rows).enumerate() {
         let sequence = i as u64 + 1;
         seen.copy(&Snapshot { sequence, written: *now, estimate: estimate.clone(), ..Snapshot::default() });
         let (_, new) = sent(&mut stream, *now, &seen);
-        let (heartbeat, told) = sent(&mut Session::new(*now, 0, None), *now, &seen);
+        let (heartbeat, told) = sent(&mut Session::new(*now, 0, &Streams::default()), *now, &seen);
         daemon.frame(|s| s.estimate.clone_from(estimate));
         let status = client.status().unwrap();
         let cells: Vec<&str> = row.split(',').collect();

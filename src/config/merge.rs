@@ -49,6 +49,8 @@ fn merge_list(old: &mut Vec<Node>, new: Vec<Node>, id: &str, path: &str) {
 fn name(node: &Node, id: &str) -> Option<String> {
     let Value::Table(table) = &node.value else { return None };
     match &table.get(id)?.node.value {
+        // Two spellings of one address: settings that were read are written with the second.
+        Value::String(s) if id == "address" => Some(s.replacen(":localhost:", ":127.0.0.1:", 1)),
         Value::String(s) => Some(s.clone()),
         _ => None,
     }

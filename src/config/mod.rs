@@ -69,6 +69,16 @@ pub fn parse(files: &[(PathBuf, String)]) -> Result<Loaded, ConfigErrors> {
     build(&sources, true)
 }
 
+/// `settings` with `change` laid upon them as a drop-in: one that was right before is judged by the same rules. The
+/// sensors stay as they are.
+pub fn amend(settings: &Settings, change: &str) -> Result<Settings, ConfigErrors> {
+    let source = |name: &str, text: String| Source { name: name.into(), text };
+    let sources = [source("the settings in force", show::show(settings)), source("the change", change.to_owned())];
+    // Written out, directions lose their last digits.
+    let Settings { sensors, simulation, .. } = settings.clone();
+    Ok(Settings { sensors, simulation, ..build(&sources, false)?.settings })
+}
+
 fn build(sources: &[Source], needs_sensors: bool) -> Result<Loaded, ConfigErrors> {
     let mut found = Vec::new();
     let mut root = raw::Table::new();

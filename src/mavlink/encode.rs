@@ -1,6 +1,8 @@
 //! Messages as bytes: MAVLink 2 frames, numbered, in a buffer that is used again.
 
+use super::deframe::SIGNATURE;
 use super::messages::Message;
+use super::signing::{SIGNED, Signing};
 use ::mavlink::{MAVLinkV2MessageRaw, MavHeader};
 
 /// What makes frames of messages for one endpoint; each endpoint counts its own.
@@ -25,15 +27,25 @@ impl Encoder {
 
     /// The frame of `message` with the next sequence number.
     pub fn encode(&mut self, message: &Message) -> &[u8] {
-        match message {
-            Message::Heartbeat(m) => self.raw.serialize_message_data(self.header, m),
-            Message::Status(m) => self.raw.serialize_message_data(self.header, m),
-            Message::Attitude(m) => self.raw.serialize_message_data(self.header, m),
-            Message::Value(m) => self.raw.serialize_message_data(self.header, m),
-            Message::Text(m) => self.raw.serialize_message_data(self.header, m),
-        }
-        self.header.sequence = self.header.sequence.wrapping_add(1);
+        self.write(message, 0);
         self.raw.raw_bytes()
+    }
+
+    /// The frame of `message` with the next sequence number, signed for link `link` at the time `wall`.
+    pub fn encode_signed(&mut self, message: &Message, signing: &mut Signing, link: u8, wall: u64) -> &[u8] {
+        self.write(message, SIGNED);
+        // Header, payload, CRC; the frame's own length counts the signature once the flag is set.
+        let end = 10 + usize::from(self.raw.payload_length()) + 2 + SIGNATURE;
+        if let Some(frame) = self.raw.as_mut_slice().get_mut(..end) {
+            signing.sign(frame, link, wall);
+        }
+        self.raw.raw_bytes()
+    }
+
+    fn write(&mut self, message: &Message, flags: u8) {
+        *self.raw.incompatibility_flags_mut() = flags;
+        message.serialize(self.header, &mut self.raw);
+        self.header.sequence = self.header.sequence.wrapping_add(1);
     }
 }
 
@@ -44,6 +56,7 @@ mod tests {
     use crate::attitude::Attitude;
     use crate::fault::FaultKind;
     use crate::head::Head;
+    use crate::mavlink::session::Seen;
     use crate::time::Time;
     use ::mavlink::MavlinkVersion;
     use ::mavlink::dialects::common::{MavMessage, MavState};
@@ -51,6 +64,10 @@ mod tests {
 
     fn parse(bytes: &[u8]) -> (MavHeader, MavMessage) {
         ::mavlink::MavlinkReader::new(bytes).read_message(MavlinkVersion::V2).unwrap()
+    }
+
+    fn attitude(valid_at: Time, attitude: Attitude) -> Option<Message> {
+        messages::attitude(&Seen { valid_at, attitude: Some(attitude), ..Seen::default() })
     }
 
     /// CRC-16/MCRF4XX, bit by bit: polynomial 0x1021 reflected, initial 0xffff.
@@ -69,8 +86,7 @@ mod tests {
     fn attitude_on_the_wire() {
         let mut encoder = Encoder::new(1, 191);
         encoder.encode(&messages::heartbeat(MavState::MAV_STATE_ACTIVE));
-        let message =
-            messages::attitude(Time::from_nanos(0x0102_0304 * 1_000_000), Attitude { roll: 0.5, pitch: -0.25 });
+        let message = attitude(Time::from_nanos(0x0102_0304 * 1_000_000), Attitude { roll: 0.5, pitch: -0.25 });
         // Little endian: time_boot_ms, roll, pitch; the zeros of yaw and the rates are cut off,
         // and the last two of pitch's four bytes are not zero.
         let payload = [0x04, 0x03, 0x02, 0x01, 0x00, 0x00, 0x00, 0x3f, 0x00, 0x00, 0x80, 0xbe];
@@ -115,7 +131,7 @@ mod tests {
                 encoder.encode(&messages::heartbeat(MavState::MAV_STATE_ACTIVE));
             }
             let time = Time::from_nanos(nanos);
-            let sent = messages::attitude(time, Attitude { roll, pitch }).unwrap();
+            let sent = attitude(time, Attitude { roll, pitch }).unwrap();
             let bytes = encoder.encode(&sent).to_vec();
             let (header, message) = parse(&bytes);
             prop_assert_eq!(usize::from(header.sequence), skip % 256);

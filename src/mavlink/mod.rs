@@ -7,6 +7,8 @@
 //! - [`deframe`]: whole messages out of bytes, whatever is between them; pure.
 //! - [`heard`]: those of them that are heeded; pure.
 //! - [`pace`]: not too often; pure.
+//! - [`service`]: what is answered to commands and parameter requests; pure.
+//! - [`signing`]: messages signed, and those that arrive checked.
 //! - [`trouble`]: what can go wrong with an endpoint, in words.
 //! - [`endpoint`]: the sockets and ttys, with their statistics.
 //! - [`tlog`]: what went out and came in, in a file.
@@ -20,6 +22,8 @@ pub mod heard;
 pub mod messages;
 pub mod pace;
 pub mod publisher;
+pub mod service;
 pub mod session;
+pub mod signing;
 pub mod tlog;
 pub mod trouble;

@@ -130,7 +130,7 @@ fn link(now: Time, sequence: u64, wanted: &Wanted, mut old: Vec<Link>) -> Vec<Li
     old.retain(|l| endpoints.iter().any(|e| e.address == *l.endpoint.address()));
     let mut links = Vec::with_capacity(endpoints.len());
     for settings in endpoints {
-        let session = Session::new(now, sequence, settings.streams.attitude_hz).with_sys_status(*sys_status);
+        let session = Session::new(now, sequence, &settings.streams).with_sys_status(*sys_status);
         let kept = old.iter().position(|l| *l.endpoint.address() == settings.address).map(|i| old.swap_remove(i));
         let mut link = match kept {
             Some(Link { endpoint, mut encoder, .. }) => {

@@ -5,23 +5,28 @@
 //! the newest frame: from 1 s on the heartbeat is critical and says so in words, from 3 s on there
 //! is silence, and every ground station shows the component as lost.
 
-use super::decimator::Decimator;
+mod rates;
+
+pub use rates::IntervalError;
+
 use super::messages::{self, Message};
 use crate::attitude::{Attitude, Mode};
+use crate::config::settings::Streams;
 use crate::fault::{ActiveFault, Evidence, FaultKind, FaultName};
 use crate::state::Snapshot;
 use crate::time::Time;
-use ::mavlink::dialects::common::MavState;
-use std::time::Duration;
+use ::mavlink::MessageData;
+use ::mavlink::dialects::common::{
+    ATTITUDE_DATA, ATTITUDE_QUATERNION_COV_DATA, ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, MavSeverity, MavState,
+    NAMED_VALUE_FLOAT_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA,
+};
+use rates::{Rate, Rates, SECOND, after, is_new};
 
 /// The age of the newest frame at which sampling counts as dead, s.
 const DEAD_AFTER_S: f64 = 1.0;
 
 /// The age of the newest frame from which on nothing is sent, s.
 const SILENT_AFTER_S: f64 = 3.0;
-
-/// The period of HEARTBEAT and NAMED_VALUE_FLOAT.
-const SECOND: Duration = Duration::from_secs(1);
 
 /// STATUSTEXT messages in a second at most. Faults that come and go faster are told less often,
 /// and the last word is always the true one.
@@ -48,6 +53,10 @@ pub struct Seen {
     pub mode: Mode,
     /// What speaks against it.
     pub faults: Vec<ActiveFault>,
+    /// What was learnt of the trim beyond the configured one, rad.
+    pub trim: Attitude,
+    /// The yaw that goes out beside the attitude, rad, from another source: not of the snapshot, the caller's to set.
+    pub yaw: Option<f32>,
 }
 
 impl Seen {
@@ -62,21 +71,36 @@ impl Seen {
         self.sigma = estimate.sigma;
         self.contrast_k = estimate.contrast_k;
         self.mode = estimate.mode;
+        self.trim = estimate.trim;
         self.faults.clone_from(&estimate.faults);
     }
+}
+
+/// One form of the attitude, if there is any.
+type Form = fn(&Seen) -> Option<Message>;
+
+/// What became of a request for a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asked {
+    /// It was sent.
+    Sent,
+    /// There is nothing to send at the moment.
+    NotNow,
+    /// It is none of the session's messages.
+    Unknown,
 }
 
 /// The state of one endpoint's stream.
 #[derive(Clone, Debug)]
 pub struct Session {
     started: Time,
-    decimator: Option<Decimator>,
+    rates: Rates,
+    texts_wanted: bool,
     sequence: u64,
     attitude_time: Option<Time>,
     contrast_time: Option<Time>,
     next_second: Time,
-    /// With SYS_STATUS; what the last one said.
-    sys_status: bool,
+    /// What the last SYS_STATUS said.
     healthy: Option<bool>,
     told: Vec<FaultKind>,
     /// A text has said that the attitude is withheld.
@@ -86,17 +110,16 @@ pub struct Session {
 }
 
 impl Session {
-    /// A stream that begins at `now`, after frame `sequence`, with ATTITUDE for every frame or
-    /// `attitude_hz` times a second.
-    pub fn new(now: Time, sequence: u64, attitude_hz: Option<f64>) -> Self {
+    /// A stream that begins at `now`, after frame `sequence`, of what `streams` says.
+    pub fn new(now: Time, sequence: u64, streams: &Streams) -> Self {
         Self {
             started: now,
-            decimator: attitude_hz.and_then(Decimator::new),
+            rates: Rates::new(streams, now),
+            texts_wanted: streams.texts,
             sequence,
             attitude_time: None,
             contrast_time: None,
             next_second: now,
-            sys_status: false,
             healthy: None,
             told: Vec::with_capacity(16),
             told_withheld: false,
@@ -107,8 +130,64 @@ impl Session {
 
     /// With SYS_STATUS as well, if `wanted`.
     pub fn with_sys_status(mut self, wanted: bool) -> Self {
-        self.sys_status = wanted;
+        self.rates.set_sys_status(wanted);
         self
+    }
+
+    /// Of a daemon that scans `hz` times a second: nothing goes out more often.
+    pub fn with_frame_rate(mut self, hz: f64) -> Self {
+        self.rates.set_frame_rate(hz);
+        self
+    }
+
+    /// Other settings, from `now` on. Intervals that somebody has asked for stay.
+    pub fn configure(&mut self, now: Time, streams: &Streams, sys_status: bool, frame_hz: f64) {
+        self.rates.configure(streams, now);
+        self.rates.set_sys_status(sys_status);
+        self.rates.set_frame_rate(frame_hz);
+        self.texts_wanted = streams.texts;
+    }
+
+    /// Sends message `id` every `interval_us` microseconds, -1 for never, 0 for as configured.
+    pub fn set_interval(&mut self, id: u32, interval_us: f32) -> Result<(), IntervalError> {
+        self.rates.set(id, interval_us)
+    }
+
+    /// The interval of message `id`, µs; -1 while it is not sent, 0 if it is none that goes out at intervals.
+    pub fn interval_us(&mut self, id: u32) -> i32 {
+        self.rates.interval_us(id)
+    }
+
+    /// Sends message `id` once, at `now`, out of turn.
+    pub fn request(&mut self, id: u32, now: Time, seen: &Seen, mut send: impl FnMut(&Message)) -> Asked {
+        let dead = self.age_s(now, seen) >= DEAD_AFTER_S;
+        let message = match id {
+            HEARTBEAT_DATA::ID => Some(self.heartbeat(dead, seen)),
+            SYS_STATUS_DATA::ID => Some(messages::sys_status(!dead && messages::healthy(seen.mode))),
+            // What is wrong is told by the next step, once more.
+            STATUSTEXT_DATA::ID => {
+                self.told.clear();
+                let well = seen.faults.is_empty() && !dead;
+                if well {
+                    send(&messages::note(MavSeverity::MAV_SEVERITY_INFO, "no fault"));
+                }
+                return if well || self.texts_wanted { Asked::Sent } else { Asked::NotNow };
+            }
+            NAMED_VALUE_FLOAT_DATA::ID => {
+                self.contrast_time = None;
+                self.values(now, seen, dead, &mut send);
+                return Asked::Sent;
+            }
+            ATTITUDE_DATA::ID if !dead => messages::attitude(seen),
+            ATTITUDE_QUATERNION_DATA::ID if !dead => messages::quaternion(seen),
+            ATTITUDE_QUATERNION_COV_DATA::ID if !dead => messages::covariance(seen),
+            ATTITUDE_DATA::ID | ATTITUDE_QUATERNION_DATA::ID | ATTITUDE_QUATERNION_COV_DATA::ID => None,
+            _ => return Asked::Unknown,
+        };
+        message.map_or(Asked::NotNow, |m| {
+            send(&m);
+            Asked::Sent
+        })
     }
 
     /// Gives `send` what is due at `now`. While nobody is `listening` no fault is told; all that
@@ -121,55 +200,81 @@ impl Session {
         listening: bool,
         mut send: impl FnMut(&Message),
     ) {
-        let newest = if seen.sequence == 0 { self.started } else { seen.written };
-        let age_s = now.since(newest);
+        let age_s = self.age_s(now, seen);
         if age_s >= SILENT_AFTER_S {
             return;
         }
         let dead = age_s >= DEAD_AFTER_S;
         if seen.sequence != self.sequence {
             self.sequence = seen.sequence;
-            if !dead && let Some(message) = self.attitude(seen) {
-                send(&message);
+            if !dead {
+                self.measured(seen, &mut send);
             }
         }
-        if listening {
+        if listening && self.texts_wanted {
             self.tell(now, seen, dead.then_some(age_s), names, &mut send);
         } else {
             self.told.clear();
             self.told_withheld = false;
         }
         let healthy = !dead && messages::healthy(seen.mode);
-        let due = now >= self.next_second;
-        if self.sys_status && (due || self.healthy != Some(healthy)) {
+        let changed = self.rates.sys_status.rate() != Rate::Never && self.healthy != Some(healthy);
+        if self.rates.sys_status.due(now) || changed {
             self.healthy = Some(healthy);
             send(&messages::sys_status(healthy));
         }
-        if due {
+        if now >= self.next_second {
             self.next_second = after(self.next_second, SECOND, now);
-            send(&messages::heartbeat(match (dead, seen.sequence) {
-                (true, _) => MavState::MAV_STATE_CRITICAL,
-                (false, 0) => MavState::MAV_STATE_BOOT,
-                (false, _) => messages::state(seen.mode),
-            }));
-            send(&messages::quality_value(now, if dead { 0.0 } else { messages::quality(seen) }));
-            let contrast = seen.contrast_k.filter(|k| k.is_finite() && self.contrast_time != Some(seen.time));
-            if let Some(contrast_k) = contrast {
-                self.contrast_time = Some(seen.time);
-                send(&messages::contrast(seen.time, contrast_k));
-            }
+            send(&self.heartbeat(dead, seen));
+        }
+        if self.rates.values.due(now) {
+            self.values(now, seen, dead, &mut send);
         }
     }
 
-    /// ATTITUDE, if it is of a moment not sent before and the decimator lets it pass.
-    fn attitude(&mut self, seen: &Seen) -> Option<Message> {
-        let time = seen.valid_at;
-        let message = messages::attitude(time, seen.attitude?)?;
-        if self.attitude_time == Some(time) || !self.decimator.as_mut().is_none_or(|d| d.passes(time)) {
-            return None;
+    fn age_s(&self, now: Time, seen: &Seen) -> f64 {
+        now.since(if seen.sequence == 0 { self.started } else { seen.written })
+    }
+
+    fn heartbeat(&self, dead: bool, seen: &Seen) -> Message {
+        messages::heartbeat(match (dead, seen.sequence) {
+            (true, _) => MavState::MAV_STATE_CRITICAL,
+            (false, 0) => MavState::MAV_STATE_BOOT,
+            (false, _) => messages::state(seen.mode),
+        })
+    }
+
+    /// One round of named values: each only if there is one to tell.
+    fn values(&mut self, now: Time, seen: &Seen, dead: bool, send: &mut impl FnMut(&Message)) {
+        send(&messages::quality_value(now, if dead { 0.0 } else { messages::quality(seen) }));
+        if let Some(sigma) = messages::sigma(seen).filter(|_| !dead) {
+            send(&sigma);
         }
-        self.attitude_time = Some(time);
-        Some(message)
+        let contrast = seen.contrast_k.filter(|k| k.is_finite() && self.contrast_time != Some(seen.time));
+        if let Some(contrast_k) = contrast {
+            self.contrast_time = Some(seen.time);
+            send(&messages::contrast(seen.time, contrast_k));
+        }
+    }
+
+    /// The attitude in its forms, if it is of a moment not sent before, each as often as it is wanted.
+    fn measured(&mut self, seen: &Seen, send: &mut impl FnMut(&Message)) {
+        if !is_new(seen, self.attitude_time) {
+            return;
+        }
+        let Rates { attitude, quaternion, covariance, .. } = &mut self.rates;
+        let time = seen.valid_at;
+        let forms: [(_, Form); 3] =
+            [(attitude, messages::attitude), (quaternion, messages::quaternion), (covariance, messages::covariance)];
+        for (pace, form) in forms {
+            if pace.rate() != Rate::Never
+                && let Some(message) = form(seen)
+                && pace.passes(time)
+            {
+                self.attitude_time = Some(time);
+                send(&message);
+            }
+        }
     }
 
     /// STATUSTEXT for each fault that has come or gone; where the attitude is lost without another one (what was held
@@ -217,12 +322,6 @@ impl Session {
     pub fn farewell() -> Message {
         messages::heartbeat(MavState::MAV_STATE_POWEROFF)
     }
-}
-
-/// The next due time on a schedule of `period` that is not left for a late step, only for one that
-/// is late by more than a period.
-fn after(due: Time, period: Duration, now: Time) -> Time {
-    if due + period > now { due + period } else { now + period }
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ mod dbus_bus;
 mod rig;
 
 use irhorizon::clock;
+use irhorizon::config::settings::Streams;
 use irhorizon::config::{self, settings::Method};
 use irhorizon::daemon::sampling::Sampling;
 use irhorizon::daemon::source;
@@ -78,7 +79,7 @@ impl Ours {
         let horizon = Horizon::new(&settings, head.clone());
         let taps = Arc::new(Taps::default());
         let sampling = Sampling::new(head.clone(), source, horizon, Arc::clone(&shared), taps, None);
-        let session = Session::new(clock::now(), 0, None);
+        let session = Session::new(clock::now(), 0, &Streams::default());
         let endpoint = Endpoint::new(settings.mavlink.endpoints[0].address.clone());
         Self {
             sampling,

@@ -19,7 +19,7 @@ fn frame(sequence: u64, secs: f64) -> Seen {
         sigma: Attitude::from_degrees(1.0, 1.0),
         contrast_k: Some(20.0),
         mode: Mode::Nominal,
-        faults: Vec::new(),
+        ..Seen::default()
     }
 }
 
@@ -60,7 +60,7 @@ fn values(sent: &[Message], name: &str) -> Vec<f32> {
 
 #[test]
 fn one_attitude_for_each_frame_and_the_rest_each_second() {
-    let mut session = Session::new(at(0.0), 0, None);
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
     let mut sent = Vec::new();
     for i in 0..500_u32 {
         let secs = f64::from(i) / 50.0;
@@ -77,7 +77,7 @@ fn one_attitude_for_each_frame_and_the_rest_each_second() {
 
 #[test]
 fn attitude_comes_first() {
-    let sent = step(&mut Session::new(at(0.0), 0, None), 0.0, &frame(1, 0.0));
+    let sent = step(&mut Session::new(at(0.0), 0, &Streams::default()), 0.0, &frame(1, 0.0));
     assert!(matches!(sent[0], Message::Attitude(_)), "{sent:?}");
 }
 
@@ -91,13 +91,13 @@ fn the_state_tells_the_mode() {
     ];
     for (mode, state) in table {
         let seen = Seen { mode, ..frame(1, 0.0) };
-        assert_eq!(states(&step(&mut Session::new(at(0.0), 0, None), 0.0, &seen)), [state]);
+        assert_eq!(states(&step(&mut Session::new(at(0.0), 0, &Streams::default()), 0.0, &seen)), [state]);
     }
 }
 
 #[test]
 fn no_attitude_while_it_is_withheld_and_never_the_last_one() {
-    let mut session = Session::new(at(0.0), 0, None);
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
     assert_eq!(attitudes(&step(&mut session, 0.0, &frame(1, 0.0))), 1);
     for i in 1..100_u32 {
         let secs = f64::from(i) * 0.02;
@@ -110,12 +110,12 @@ fn no_attitude_while_it_is_withheld_and_never_the_last_one() {
     // A frame without a new measurement.
     assert_eq!(attitudes(&step(&mut session, 2.02, &Seen { valid_at: at(1.998), ..frame(102, 2.02) })), 0);
     // The frame that was there when the stream began.
-    assert_eq!(attitudes(&step(&mut Session::new(at(2.03), 102, None), 2.03, &frame(102, 2.02))), 0);
+    assert_eq!(attitudes(&step(&mut Session::new(at(2.03), 102, &Streams::default()), 2.03, &frame(102, 2.02))), 0);
 }
 
 #[test]
 fn dead_sampling_is_critical_after_one_second_and_silent_after_three() {
-    let mut session = Session::new(at(0.0), 0, None);
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
     let seen = frame(1, 0.0);
     assert_eq!(states(&step(&mut session, 0.0, &seen)), [MavState::MAV_STATE_ACTIVE]);
     let mut sent = Vec::new();
@@ -139,7 +139,7 @@ fn dead_sampling_is_critical_after_one_second_and_silent_after_three() {
 
 #[test]
 fn before_the_first_frame_it_boots_but_not_for_ever() {
-    let mut session = Session::new(at(0.0), 0, None);
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
     let seen = Seen::default();
     let sent: Vec<_> = (0..100_u32).flat_map(|i| step(&mut session, f64::from(i) * 0.1, &seen)).collect();
     use MavState::{MAV_STATE_BOOT as BOOT, MAV_STATE_CRITICAL as CRITICAL};
@@ -149,7 +149,7 @@ fn before_the_first_frame_it_boots_but_not_for_ever() {
 #[test]
 fn a_fault_is_told_when_it_comes_and_when_it_goes() {
     use MavSeverity::{MAV_SEVERITY_CRITICAL as CRITICAL, MAV_SEVERITY_ERROR as ERROR};
-    let mut session = Session::new(at(0.0), 0, None);
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
     assert!(texts(&step(&mut session, 0.0, &frame(1, 0.0))).is_empty());
     let one = Seen { faults: vec![lost(0)], mode: Mode::Degraded, ..frame(2, 0.02) };
     assert_eq!(texts(&step(&mut session, 0.02, &one)), [(ERROR, "irhorizon: sensor-lost:nose (no answer)".into())]);
@@ -163,7 +163,7 @@ fn a_fault_is_told_when_it_comes_and_when_it_goes() {
 #[test]
 fn a_fault_whose_attitude_is_held_is_told_again_when_that_is_lost() {
     use MavSeverity::{MAV_SEVERITY_CRITICAL as CRITICAL, MAV_SEVERITY_ERROR as ERROR};
-    let mut session = Session::new(at(0.0), 0, None);
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
     let mut said = |sequence, secs, mode| {
         let attitude = (mode == Mode::Degraded).then(Attitude::default);
         let seen = Seen { faults: vec![lost(0)], mode, attitude, ..frame(sequence, secs) };
@@ -177,7 +177,7 @@ fn a_fault_whose_attitude_is_held_is_told_again_when_that_is_lost() {
 
 #[test]
 fn what_is_shown_in_place_of_an_attitude_goes_out_with_a_critical_heartbeat_and_no_quality() {
-    let mut session = Session::new(at(0.0), 0, None);
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
     let seen = Seen { faults: vec![lost(0)], mode: Mode::Faulted, ..frame(1, 0.0) };
     let sent = step(&mut session, 0.0, &seen);
     assert_eq!((attitudes(&sent), states(&sent)), (1, vec![MavState::MAV_STATE_CRITICAL]));
@@ -196,9 +196,9 @@ fn sys_status_is_sent_if_wanted_each_second_and_at_once_when_health_changes() {
         };
         sent.iter().filter_map(one).collect::<Vec<_>>()
     };
-    let mut plain = Session::new(at(0.0), 0, None);
+    let mut plain = Session::new(at(0.0), 0, &Streams::default());
     assert_eq!(health(&step(&mut plain, 0.0, &frame(1, 0.0))), []);
-    let mut session = Session::new(at(0.0), 0, None).with_sys_status(true);
+    let mut session = Session::new(at(0.0), 0, &Streams::default()).with_sys_status(true);
     let mut said = |sequence, secs, mode| health(&step(&mut session, secs, &Seen { mode, ..frame(sequence, secs) }));
     // Bit 21 of MAV_SYS_STATUS_SENSOR; no battery is 65535 mV.
     let (well, ill) = ((1 << 21, 65535), (0, 65535));
@@ -212,7 +212,7 @@ fn sys_status_is_sent_if_wanted_each_second_and_at_once_when_health_changes() {
 
 #[test]
 fn whoever_begins_to_listen_is_told_what_is_wrong() {
-    let mut session = Session::new(at(0.0), 0, None);
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
     let faulty = Seen { faults: vec![lost(0)], ..frame(1, 0.0) };
     let mut tell = |secs, listening| {
         let mut sent = Vec::new();
@@ -224,7 +224,7 @@ fn whoever_begins_to_listen_is_told_what_is_wrong() {
 
 #[test]
 fn a_storm_of_faults_is_told_slowly_and_ends_with_the_truth() {
-    let mut session = Session::new(at(0.0), 0, None);
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
     let mut sent = Vec::new();
     for i in 0..501_u32 {
         let secs = f64::from(i) * 0.02;
@@ -259,7 +259,7 @@ proptest! {
     fn whatever_happens_no_attitude_is_sent_twice_or_while_withheld(
         steps in prop::collection::vec((0.0_f64..2.0, any::<bool>(), any::<bool>(), any::<bool>()), 1..200),
     ) {
-        let mut session = Session::new(at(0.0), 0, None);
+        let mut session = Session::new(at(0.0), 0, &Streams::default());
         let (mut now, mut seen, mut stamps) = (0.0, Seen::default(), Vec::new());
         for (pause, scanned, measured, withheld) in steps {
             now += pause;

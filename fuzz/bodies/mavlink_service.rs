@@ -1,0 +1,82 @@
+//! Any requests at any times: no panic; each command for this component gets one acknowledgement, at once; what is
+//! ordered is good configuration; nothing is answered with a burst.
+
+use irhorizon::attitude::{Attitude, Mode};
+use irhorizon::config::Settings;
+use irhorizon::config::settings::{EndpointAddress, EndpointSettings, Streams};
+use irhorizon::mavlink::deframe::datagram;
+use irhorizon::mavlink::encode::Encoder;
+use irhorizon::mavlink::heard::Heard;
+use irhorizon::mavlink::messages::Message;
+use irhorizon::mavlink::service::request::{Request, What};
+use irhorizon::mavlink::service::{Ids, Order, Replies, Service, Situation, apply};
+use irhorizon::mavlink::session::{Seen, Session};
+use irhorizon::time::Time;
+use std::time::Duration;
+
+const US: Ids = Ids { system: 1, component: 191 };
+/// The messages that are requests, with their extra CRC and where their target stands.
+const REQUESTS: [(u8, u8, usize); 5] = [(20, 214, 2), (21, 159, 0), (23, 168, 4), (75, 158, 30), (76, 152, 30)];
+
+/// A byte for the message, one for the time since the last (10 ms), one for flags, one for the length; the payload.
+pub fn serve(mut data: &[u8]) {
+    let mut settings = Settings::default();
+    let address = EndpointAddress::UdpOut(([127, 0, 0, 1], 14550).into());
+    settings.mavlink.endpoints = vec![EndpointSettings { address, streams: Streams::default(), tlog: None }];
+    let mut now = Time::from_secs_f64(100.0);
+    let (mut service, mut session) = (Service::default(), Session::new(now, 0, &Streams::default()));
+    let mut encoder = Encoder::new(US.system, US.component);
+    let mut seen = Seen::default();
+    let mut replies = Replies::default();
+    while let Some((&[which, wait, flags, len], rest)) = data.split_first_chunk() {
+        let (payload, rest) = rest.split_at(usize::from(len).min(rest.len()));
+        data = rest;
+        now = now + Duration::from_millis(u64::from(wait) * 10);
+        let (id, extra, target) = REQUESTS[usize::from(which) % REQUESTS.len()];
+        let mut payload = payload.to_vec();
+        if flags & 1 != 0 && payload.len() >= target + 2 {
+            payload[target..target + 2].copy_from_slice(&[US.system, US.component]);
+        }
+        if flags & 2 != 0 {
+            let withheld = flags & 4 != 0;
+            let mode = if withheld { Mode::Faulted } else { Mode::Nominal };
+            let attitude = (!withheld).then(|| Attitude::from_degrees(f64::from(flags), -3.0));
+            seen = Seen { sequence: seen.sequence + 1, written: now, valid_at: now, attitude, mode, ..Seen::default() };
+        }
+        let at = Situation { now, us: US, settings: &settings, seen: &seen, flying: flags & 8 != 0 };
+        let (mut asked, mut answered) = (None, 0);
+        replies.clear();
+        let frame = frame(id, extra, &payload);
+        datagram(&frame, |packet| {
+            let Some(Heard::Request(request)) = Heard::new(&packet) else { panic!("a request is heard") };
+            let from = Ids { system: packet.system_id, component: packet.component_id };
+            service.heed(from, &request, &at, &mut session, &mut replies);
+            asked = Some(request);
+        });
+        for message in &replies.messages {
+            answered += usize::from(matches!(message, Message::Ack(a) if a.target_system == 255));
+            assert!(encoder.encode(message).len() <= 280);
+        }
+        if let Some(Request { target: US, what: What::Command(_) }) = asked {
+            // A calibration that is cancelled is told so as well.
+            assert!(answered == 1 || answered == 2, "{replies:?}");
+        }
+        assert!(replies.messages.len() <= 4 && replies.orders.len() <= 1, "{replies:?}");
+        service.step(&at, &mut replies);
+        assert!(replies.messages.len() <= 8, "{replies:?}");
+        for Order::Set(changes) in std::mem::take(&mut replies.orders) {
+            settings = apply(&settings, &changes).expect("what is ordered is good");
+        }
+    }
+}
+
+/// A MAVLink 2 frame of a ground station.
+fn frame(id: u8, extra: u8, payload: &[u8]) -> Vec<u8> {
+    let mut frame = vec![0xfd, payload.len() as u8, 0, 0, 0, 255, 190, id, 0, 0];
+    frame.extend(payload);
+    let crc = frame[1..].iter().copied().chain([extra]).fold(0xffff, |crc: u16, byte| {
+        (0..8).fold(crc ^ u16::from(byte), |c, _| if c & 1 == 1 { (c >> 1) ^ 0x8408 } else { c >> 1 })
+    });
+    frame.extend(crc.to_le_bytes());
+    frame
+}
