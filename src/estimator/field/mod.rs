@@ -31,7 +31,7 @@ pub use tuning::Tuning;
 
 use super::contrast_vector::ContrastSolver;
 use super::sides::{Sides, TELLING_K};
-use super::vector::{add_scaled, dot, length};
+use super::vector::{Vector, add_scaled, dot, length};
 use super::{Estimator, Hearing, Solution, Standing};
 use crate::attitude::Attitude;
 use crate::frame::Frame;
@@ -331,6 +331,11 @@ fn contrast_pace(t: &Tuning) -> Whiteness {
 }
 
 impl Estimator for FieldEstimator {
+    fn rate_correction(&self) -> Vector {
+        let x = &self.state.x;
+        if self.gyro.in_use() { [x[RATE], x[RATE + 1], x[RATE + 2]] } else { [0.0; 3] }
+    }
+
     fn set_trim(&mut self, trim: Attitude) {
         self.gyro.set_trim(trim);
     }
