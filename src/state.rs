@@ -1,5 +1,6 @@
 //! The one shared state: written by the sampling loop, read by every publisher.
 
+use crate::aiding::Autopilot;
 use crate::attitude::Estimate;
 use crate::frame::Frame;
 use crate::source::SensorHealth;
@@ -22,6 +23,8 @@ pub struct Snapshot {
     pub health: Vec<SensorHealth>,
     /// Frames a second, measured over the last few seconds.
     pub rate_hz: f64,
+    /// The autopilot that is listened to.
+    pub autopilot: Autopilot,
     /// How many times each configuration-relevant change has happened: a publisher that sees it
     /// change reads its settings again.
     pub generation: u64,

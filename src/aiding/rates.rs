@@ -130,7 +130,10 @@ mod tests {
     fn between_two_a_straight_line_and_the_newest_for_a_moment() {
         let rates = rates(&[(0.0, 10.0), (20.0, 20.0), (80.0, -40.0)]);
         let p = |ms| rates.at(at(ms)).map(|r| (r[0] * 1e6).round() / 1e6);
-        assert_eq!([p(-1.0), p(0.0), p(5.0), p(50.0), p(80.0)], [None, Some(10.0), Some(12.5), Some(-10.0), Some(-40.0)]);
+        assert_eq!(
+            [p(-1.0), p(0.0), p(5.0), p(50.0), p(80.0)],
+            [None, Some(10.0), Some(12.5), Some(-10.0), Some(-40.0)]
+        );
         assert_eq!([p(179.0), p(181.0)], [Some(-40.0), None]);
     }
 

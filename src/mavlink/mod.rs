@@ -6,15 +6,19 @@
 //! - [`encode`]: messages as bytes, numbered.
 //! - [`deframe`]: whole messages out of bytes, whatever is between them; pure.
 //! - [`heard`]: those of them that are heeded; pure.
+//! - [`identity`]: which autopilot is listened to, whose system this is a part of; pure.
+//! - [`aiding`]: what that autopilot says of rates and speeds, on its way to the frames.
 //! - [`trouble`]: what can go wrong with an endpoint, in words.
 //! - [`endpoint`]: the UDP sockets, with their statistics.
 //! - [`publisher`]: the thread that ties them to the shared state.
 
+pub mod aiding;
 pub mod decimator;
 pub mod deframe;
 pub mod encode;
 pub mod endpoint;
 pub mod heard;
+pub mod identity;
 pub mod messages;
 pub mod publisher;
 pub mod session;

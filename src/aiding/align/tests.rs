@@ -22,7 +22,11 @@ fn heard(aids: bool, ms: u32) -> Link {
 }
 
 /// Frames at 50 Hz with what came out: frame, when, the rate in it.
-fn run(aligner: &mut Aligner, ms: std::ops::Range<u32>, mut said: impl FnMut(u32) -> Vec<Said>) -> Vec<(u32, u32, Option<f64>)> {
+fn run(
+    aligner: &mut Aligner,
+    ms: std::ops::Range<u32>,
+    mut said: impl FnMut(u32) -> Vec<Said>,
+) -> Vec<(u32, u32, Option<f64>)> {
     let (mut out, mut gone) = (frame(0), Vec::new());
     for now in ms.step_by(20) {
         said(now).iter().for_each(|s| aligner.hear(s));
@@ -82,9 +86,8 @@ fn rates_that_come_too_late_or_are_not_wanted_are_not_waited_for() {
     for (by, aids) in [(200, true), (50, false)] {
         let mut aligner = Aligner::new(1);
         aligner.linked(heard(aids, 0));
-        let gone = run(&mut aligner, 0..3000, |now| {
-            now.checked_sub(by).map(|ms| rates(ms, now, 1.0)).into_iter().collect()
-        });
+        let gone =
+            run(&mut aligner, 0..3000, |now| now.checked_sub(by).map(|ms| rates(ms, now, 1.0)).into_iter().collect());
         let since = gone.iter().filter(|(ms, ..)| *ms > 1000);
         assert!(since.clone().count() == 99 && since.clone().all(|(ms, now, r)| ms == now && r.is_none()), "{gone:?}");
         assert!(!aligner.autopilot(at(3000)).used);
