@@ -8,7 +8,7 @@ const KEPT: usize = 64;
 /// Rates farther apart than this say nothing of what is between them, s.
 const GAP_S: f64 = 0.25;
 /// The newest rates stand for what follows for so long, s.
-pub const HELD_S: f64 = 0.1;
+pub const HELD_S: f64 = 0.2;
 /// Over how long it is learnt how fast rates change, s.
 const LATELY_S: f64 = 2.0;
 
@@ -134,7 +134,7 @@ mod tests {
             [p(-1.0), p(0.0), p(5.0), p(50.0), p(80.0)],
             [None, Some(10.0), Some(12.5), Some(-10.0), Some(-40.0)]
         );
-        assert_eq!([p(179.0), p(181.0)], [Some(-40.0), None]);
+        assert_eq!([p(279.0), p(281.0)], [Some(-40.0), None]);
     }
 
     #[test]

@@ -64,7 +64,7 @@ impl Clock {
             return false;
         };
         if sent < newest.saturating_sub(BACK_NS) || offset < known.saturating_sub(AHEAD_NS) {
-            let again = |(o, s): (i64, i64)| sent > s && offset.saturating_sub(o).abs() < AHEAD_NS;
+            let again = |(o, s): (i64, i64)| sent > s && offset.abs_diff(o) < AHEAD_NS.unsigned_abs();
             if self.suspect.replace((offset, sent)).is_some_and(again) {
                 self.begin(now, sent);
                 return true;
