@@ -89,6 +89,8 @@ pub struct Estimate {
     pub valid_at: Time,
     /// Roll and pitch, or nothing while they are withheld.
     pub attitude: Option<Attitude>,
+    /// Whether that was measured at `valid_at`, and does not stand in for one that is withheld.
+    pub measured: bool,
     /// Standard deviations of roll and pitch, rad; meaningful only beside an attitude.
     pub sigma: Attitude,
     /// What was learnt in flight of the head's mounting, beyond the configured trim, rad: taken off already.

@@ -20,6 +20,7 @@
 //! | [`daemon`], [`ctl`] | the two commands |
 #![deny(unsafe_code, clippy::unwrap_used)]
 
+pub mod aiding;
 pub mod attitude;
 pub mod bus;
 pub mod clock;

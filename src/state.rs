@@ -3,6 +3,7 @@
 //! Whoever has nothing else to wait for waits for [`Shared::wait_beyond`]; whoever waits for file descriptors as well
 //! has a [`Bell`] among them.
 
+use crate::aiding::Autopilot;
 use crate::attitude::Estimate;
 use crate::frame::Frame;
 use crate::source::SensorHealth;
@@ -28,6 +29,8 @@ pub struct Snapshot {
     pub health: Vec<SensorHealth>,
     /// Frames a second, measured over the last few seconds.
     pub rate_hz: f64,
+    /// The autopilot that is listened to.
+    pub autopilot: Autopilot,
     /// How many times each configuration-relevant change has happened: a publisher that sees it
     /// change reads its settings again.
     pub generation: u64,

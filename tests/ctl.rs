@@ -4,7 +4,7 @@ use irhorizon::config::settings::BusAddress;
 use irhorizon::ctl::advice;
 use irhorizon::ctl::kit::{Daemon, DaemonError, Kit};
 use irhorizon::ctl::run;
-use irhorizon::ctl::view::{Endpoint, Fault, Hint, Sensor, Status, Trim};
+use irhorizon::ctl::view::{Autopilot, Endpoint, Fault, Hint, Sensor, Status, Trim};
 use irhorizon::ctl::watch::{Palette, Seen, draw};
 use irhorizon::recording::Taps;
 use ratatui::buffer::Buffer;
@@ -98,6 +98,7 @@ fn scene(name: &str) -> Status {
         rate_hz: 50.02,
         faults: vec![],
         sensors: sensors.collect(),
+        autopilot: None,
         endpoints: vec![Endpoint { address: "udpout:127.0.0.1:14550".into(), sent: 184_321, ..Endpoint::default() }],
     };
     let fault = |name: &str, for_s, evidence: &str| Fault {
@@ -142,6 +143,17 @@ fn scene(name: &str) -> Status {
             s.mode = "degraded".into();
             s.faults = vec![fault("wet-sensor:left", 3.4, "71.00 %, limit 50.00 %")];
             s.hint = Some(Hint { bearing_deg: 112.4, strength_c: 6.25 });
+            s.autopilot = Some(Autopilot {
+                system_id: 1,
+                rates_hz: 49.2,
+                late_s: Some(0.0381),
+                used: true,
+                synced: true,
+                gps_hz: 4.9,
+                airspeed_hz: 5.0,
+                roll_difference_deg: Some(-0.84),
+                pitch_difference_deg: Some(0.25),
+            });
             for (i, sensor) in s.sensors.iter_mut().enumerate() {
                 sensor.residual_c = Some([0.124, -0.003, 9.5, -0.8, 0.0, 0.31][i]);
             }

@@ -3,6 +3,7 @@
 mod dbus_bus;
 
 use dbus_bus::{Bus, Daemon};
+use irhorizon::aiding::{Autopilot, Link};
 use irhorizon::attitude::{Attitude, Hint, Mode};
 use irhorizon::bus::Counters;
 use irhorizon::ctl::client::{Client, ClientError};
@@ -44,6 +45,7 @@ fn busctl_reads_what_was_estimated() {
     let daemon = Daemon::start(&bus);
     assert_eq!(daemon.first, Some(Ok(())));
     assert_eq!((bus.property("RollDeg"), bus.property("Mode")), ("d nan".into(), "s \"starting\"".into()));
+    assert_eq!(bus.property("Autopilot"), "a{sd} 0");
     assert_eq!((bus.property("HintBearingDeg"), bus.property("HintStrengthC")), ("d nan".into(), "d nan".into()));
     daemon.frame(|s| {
         level(s);
@@ -144,6 +146,12 @@ fn a_client_sees_the_whole_state_with_the_sensors_in_order() {
             emissivity: Some(1.0),
             identity: Some(0x1234_0000_0000_00ab),
         };
+        s.autopilot = Autopilot {
+            link: Link { system: Some(7), rates_hz: 49.0, gps_hz: 5.0, synced: true, ..Link::default() },
+            late_s: Some(0.0375),
+            differs: Some(Attitude::from_degrees(2.0, -1.0)),
+            ..Autopilot::default()
+        };
     });
     let status = bus.client().status().unwrap();
     assert_eq!((status.roll_deg, status.pitch_sigma_deg), (Some(12.5), Some(0.25)));
@@ -154,6 +162,10 @@ fn a_client_sees_the_whole_state_with_the_sensors_in_order() {
     let [nose, long, down] = &status.sensors[..] else { panic!("three sensors") };
     assert_eq!((nose.residual_c, long.residual_c, down.residual_c), (Some(0.5), None, Some(-2.0)));
     assert_eq!(status.hint, Some(view::Hint { bearing_deg: -45.0, strength_c: 3.5 }));
+    let autopilot = status.autopilot.unwrap();
+    assert_eq!((autopilot.system_id, autopilot.rates_hz, autopilot.gps_hz), (7, 49.0, 5.0));
+    assert_eq!((autopilot.late_s, autopilot.used, autopilot.synced), (Some(0.0375), false, true));
+    assert!((autopilot.roll_difference_deg.unwrap() - 2.0).abs() < 1e-9);
     assert_eq!(status.faults[0].advice, "irhorizonctl sensors says what to look at");
     assert_eq!((nose.kind.as_str(), nose.bus.as_str(), nose.address), ("mlx90614", "/dev/i2c-1", 0x5b));
     assert_eq!((nose.object_c, nose.ambient_c, nose.volts), (Some(-7.25), Some(21.0), None));

@@ -6,12 +6,13 @@
 
 mod methods;
 
+use irhorizon::aiding::{Inbox, Link, Said, What};
 use irhorizon::attitude::{Attitude, Mode};
 use irhorizon::clock;
 use irhorizon::config::Settings;
 use irhorizon::config::settings::{EndpointAddress, EndpointSettings, MavlinkSettings, Method, SimulationSettings};
 use irhorizon::daemon::sampling::Sampling;
-use irhorizon::frame::{Frame, Missing};
+use irhorizon::frame::{Aiding, Frame, Missing};
 use irhorizon::head::Head;
 use irhorizon::horizon::Horizon;
 use irhorizon::mavlink::encode::Encoder;
@@ -123,6 +124,38 @@ fn the_counter_counts() {
     let before = ALLOCATIONS.get();
     drop(std::hint::black_box(vec![1_u8; 100]));
     assert_eq!(ALLOCATIONS.get(), before + 1);
+}
+
+/// Body rates 40 ms late, one in five lost, and a fix now and then: frames wait, and are carried on.
+#[test]
+fn an_autopilot_is_heard() {
+    let settings = Settings { simulation: Some(SimulationSettings::default()), ..Settings::default() };
+    let head = Head::six();
+    let source = SimulatedSource::new(&SimulationSettings::default(), &head, FieldOfView::Gaussian { fwhm_deg: 90.0 });
+    let (shared, inbox) = (Arc::new(Shared::default()), Arc::new(Inbox::default()));
+    let horizon = Horizon::new(&settings, head.clone());
+    let mut sampling =
+        Sampling::new(head, Box::new(source), horizon, Arc::clone(&shared), Arc::new(Taps::default()), None)
+            .with_inbox(Arc::clone(&inbox));
+    let mut before = 0;
+    for i in 0..5050_u64 {
+        if i == 50 {
+            before = ALLOCATIONS.get();
+        }
+        let at = |i: u64| Time::from_nanos(1_000_000_000 + i * 20_000_000);
+        let say = |what| inbox.push(Said { time: at(i.saturating_sub(2)), arrived: at(i), what });
+        inbox.tell(Link { system: Some(1), heard: at(i), aids: true, ..Link::default() });
+        if i % 5 != 0 {
+            say(What::Rates([1.0, -2.0, 3.0]));
+            say(What::Attitude(Attitude::default(), 0.0));
+        }
+        if i % 10 == 0 {
+            say(What::Slow(Aiding { airspeed_m_s: Some(15.0), ..Aiding::default() }));
+        }
+        sampling.step(at(i));
+    }
+    assert_eq!(ALLOCATIONS.get() - before, 0);
+    assert!(shared.lock().autopilot.used);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::advice;
 use super::client::ClientError;
-use super::view::{Endpoint, Fault, Hint, Sensor, Status, Trim};
+use super::view::{Autopilot, Endpoint, Fault, Hint, Sensor, Status, Trim};
 use crate::dbus::SENSOR;
 use crate::time::Time;
 use std::collections::HashMap;
@@ -38,6 +38,7 @@ pub(super) fn status(
     let faults: Vec<(String, u64, String)> = p.take("FaultDetails")?;
     let endpoints: Vec<(String, Vec<(String, u64)>, String)> = p.take("Endpoints")?;
     let age_s = |usec: u64| now.since(Time::from_nanos(usec.saturating_mul(1_000)));
+    let autopilot: HashMap<String, f64> = p.take("Autopilot")?;
     let sample_time_usec = p.take("SampleTimeUsec")?;
     let (bearing_deg, strength_c) = (p.number("HintBearingDeg")?, p.number("HintStrengthC")?);
     let mut sensors = Vec::new();
@@ -74,10 +75,28 @@ pub(super) fn status(
             })
             .collect(),
         sensors: sensors.into_iter().map(|(_, sensor)| sensor).collect(),
+        autopilot: self::autopilot(&autopilot),
         endpoints: endpoints
             .into_iter()
             .map(|(address, counters, error)| Endpoint::from_counters(address, &counters, error))
             .collect(),
+    })
+}
+
+/// The autopilot, of which nothing is said while it is not heard.
+fn autopilot(said: &HashMap<String, f64>) -> Option<Autopilot> {
+    let value = |name: &str| said.get(name).copied();
+    let number = |name: &str| value(name).unwrap_or(0.0);
+    Some(Autopilot {
+        system_id: value("SystemId")? as u8,
+        rates_hz: number("RatesHz"),
+        late_s: value("LateS"),
+        used: number("Used") > 0.0,
+        synced: number("Synced") > 0.0,
+        gps_hz: number("GpsHz"),
+        airspeed_hz: number("AirspeedHz"),
+        roll_difference_deg: value("RollDifferenceDeg"),
+        pitch_difference_deg: value("PitchDifferenceDeg"),
     })
 }
 

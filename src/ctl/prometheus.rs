@@ -47,6 +47,7 @@ pub fn exposition(status: Option<&Status>) -> String {
         }
     }
     sensors(&mut t, s);
+    autopilot(&mut t, s);
     endpoints(&mut t, s);
     t.0
 }
@@ -92,6 +93,32 @@ fn sensors(t: &mut Text, s: &Status) {
                 t.sample("sensor_events_total", &[("sensor", &x.name), ("event", event)], *n as f64);
             }
         }
+    }
+}
+
+fn autopilot(t: &mut Text, s: &Status) {
+    let Some(a) = &s.autopilot else { return };
+    let id = a.system_id.to_string();
+    for (name, help, value) in [
+        ("autopilot_rates_hertz", "Body rates a second that the autopilot sends.", a.rates_hz),
+        ("autopilot_rates_late_seconds", "How old they are when they arrive.", a.late_s.unwrap_or(f64::NAN)),
+        ("autopilot_rates_used", "Whether they aid the attitude.", f64::from(a.used)),
+        ("autopilot_synced", "Whether the autopilot answers TIMESYNC.", f64::from(a.synced)),
+        ("autopilot_gps_hertz", "Fixes a second that the autopilot sends.", a.gps_hz),
+        ("autopilot_airspeed_hertz", "Airspeeds a second that the autopilot sends.", a.airspeed_hz),
+        (
+            "autopilot_roll_difference_degrees",
+            "The autopilot's roll less ours.",
+            a.roll_difference_deg.unwrap_or(f64::NAN),
+        ),
+        (
+            "autopilot_pitch_difference_degrees",
+            "The autopilot's pitch less ours.",
+            a.pitch_difference_deg.unwrap_or(f64::NAN),
+        ),
+    ] {
+        t.metric(name, "gauge", help);
+        t.sample(name, &[("system", &id)], value);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The state as people read it.
 
 use super::error::{EXIT_FAILED, EXIT_OK, EXIT_WITHHELD};
-use super::view::{Endpoint, Hint, Status};
+use super::view::{Autopilot, Endpoint, Hint, Status};
 use std::fmt::Write as _;
 
 /// A smaller trim that was learnt is not spoken of, °.
@@ -57,6 +57,9 @@ pub fn plain(s: &Status) -> String {
     for sensor in bad {
         line("", &format!("{:<width$}  {}", sensor.name, sensor.state));
     }
+    if let Some(a) = &s.autopilot {
+        line("autopilot", &autopilot(a));
+    }
     for (i, e) in s.endpoints.iter().enumerate() {
         let label = if i == 0 { "mavlink" } else { "" };
         line(label, &endpoint(e));
@@ -107,6 +110,31 @@ fn warm(hint: Hint) -> String {
     format!("{} K warmer {side} ({}°)", number(hint.strength_c, 1), number(hint.bearing_deg, 0))
 }
 
+/// `system 1, rates 49 Hz, 38 ms late, GPS 5 Hz; differs by 0.8° roll, 0.3° pitch`.
+fn autopilot(a: &Autopilot) -> String {
+    let mut t = format!("system {}", a.system_id);
+    match finite(a.late_s) {
+        Some(late_s) => {
+            let _ = write!(t, ", rates {} Hz, {} late", number(a.rates_hz, 0), duration(late_s));
+            t.push_str(if a.used { "" } else { " and not used" });
+        }
+        None => t.push_str(", no rates"),
+    }
+    for (what, hz) in [("GPS", a.gps_hz), ("airspeed", a.airspeed_hz)] {
+        // Less often than every other second is hardly at all.
+        if hz > 0.5 {
+            let _ = write!(t, ", {what} {} Hz", number(hz, 0));
+        }
+    }
+    if !a.synced {
+        t.push_str(", no TIMESYNC");
+    }
+    if let (Some(roll), Some(pitch)) = (finite(a.roll_difference_deg), finite(a.pitch_difference_deg)) {
+        let _ = write!(t, "; differs by {:.1}° roll, {:.1}° pitch", roll.abs(), pitch.abs());
+    }
+    t
+}
+
 /// A value that is one.
 pub fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|v| v.is_finite())
@@ -149,6 +177,26 @@ mod tests {
         ] {
             assert_eq!(duration(s), text);
         }
+    }
+
+    #[test]
+    fn the_autopilot_in_a_line() {
+        let mut a = Autopilot {
+            system_id: 1,
+            rates_hz: 49.2,
+            late_s: Some(0.0381),
+            used: true,
+            synced: true,
+            gps_hz: 4.9,
+            airspeed_hz: 0.0,
+            roll_difference_deg: Some(-0.83),
+            pitch_difference_deg: Some(0.3),
+        };
+        let line = "system 1, rates 49 Hz, 38 ms late, GPS 5 Hz; differs by 0.8° roll, 0.3° pitch";
+        assert_eq!(autopilot(&a), line);
+        (a.used, a.synced, a.late_s, a.roll_difference_deg) = (false, false, Some(0.3), None);
+        assert_eq!(autopilot(&a), "system 1, rates 49 Hz, 300 ms late and not used, GPS 5 Hz, no TIMESYNC");
+        assert_eq!(autopilot(&Autopilot { synced: true, ..Autopilot::default() }), "system 0, no rates");
     }
 
     #[test]

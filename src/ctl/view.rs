@@ -35,6 +35,8 @@ pub struct Status {
     pub faults: Vec<Fault>,
     /// The sensors, in the configuration's order.
     pub sensors: Vec<Sensor>,
+    /// The autopilot that is listened to, while it is heard.
+    pub autopilot: Option<Autopilot>,
     /// The MAVLink endpoints.
     pub endpoints: Vec<Endpoint>,
 }
@@ -107,6 +109,29 @@ pub struct Sensor {
     pub identity: String,
     /// Named counts since start: `reads`, `retries`, `no-answer`, `bad-pec`, …
     pub counters: Vec<(String, u64)>,
+}
+
+/// The autopilot that is listened to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Autopilot {
+    /// Its system id.
+    pub system_id: u8,
+    /// Body rates a second.
+    pub rates_hz: f64,
+    /// How old they are when they arrive, s; `None` while there are none.
+    pub late_s: Option<f64>,
+    /// Whether they aid the attitude.
+    pub used: bool,
+    /// Whether its clock is known by TIMESYNC, and not only by when its messages arrive.
+    pub synced: bool,
+    /// Fixes a second.
+    pub gps_hz: f64,
+    /// Airspeeds a second.
+    pub airspeed_hz: f64,
+    /// Its roll less ours, over the last second or so, °.
+    pub roll_difference_deg: Option<f64>,
+    /// Its pitch less ours, °.
+    pub pitch_difference_deg: Option<f64>,
 }
 
 /// A MAVLink endpoint.

@@ -2,12 +2,13 @@
 //!
 //! - [`cli`], [`logging`]: how it is started, where it speaks;
 //! - [`running`]: the parts at work, and how a new configuration gets into them;
-//! - [`sampling`], [`ticker`], [`fault_log`]: the sampling loop;
+//! - [`sampling`], [`ticker`], [`alignment`], [`fault_log`]: the sampling loop;
 //! - [`source`]: which source of frames a configuration asks for;
 //! - [`control`]: what D-Bus may ask of the daemon.
 //!
 //! Threads: `main` waits for signals, `sampling` makes frames, `mavlink` and `dbus` publish them.
 
+pub mod alignment;
 pub mod cli;
 pub mod control;
 pub mod fault_log;

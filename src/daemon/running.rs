@@ -3,6 +3,7 @@
 use super::control::Desk;
 use super::sampling::Sampling;
 use super::source;
+use crate::aiding::Inbox;
 use crate::config::{self, Loaded, Settings};
 use crate::config::{Change, changes};
 use crate::dbus::{self, DbusError, Service};
@@ -70,6 +71,8 @@ pub struct Running {
     settings: Settings,
     shared: Arc<Shared>,
     taps: Arc<Taps>,
+    /// What the autopilot says, on its way to the sampling loop.
+    inbox: Arc<Inbox>,
     mavlink: Arc<Switchboard>,
     desk: Arc<Desk>,
     sampling: Option<Loop>,
@@ -82,6 +85,7 @@ impl Running {
         let settings = &loaded.settings;
         let shared = Arc::new(Shared::default());
         let taps = Arc::new(Taps::default());
+        let inbox = Arc::new(Inbox::default());
         let mavlink = Arc::new(Switchboard::new(settings.mavlink.clone(), Arc::new(settings.head())));
         let desk = Arc::new(Desk::new(&loaded, Arc::clone(&mavlink)));
         let mut publishers = Vec::new();
@@ -102,12 +106,12 @@ impl Running {
             settings.rate_hz,
             settings.method().as_str()
         );
-        let sampling = Some(sample(settings, &shared, &taps)?);
+        let sampling = Some(sample(settings, &shared, &taps, &inbox)?);
         {
             let (shared, mavlink) = (Arc::clone(&shared), Arc::clone(&mavlink));
             publishers.push(spawn("mavlink", move || publisher::run(&shared, &mavlink))?);
         }
-        Ok(Self { settings: loaded.settings, shared, taps, mavlink, desk, sampling, publishers })
+        Ok(Self { settings: loaded.settings, shared, taps, inbox, mavlink, desk, sampling, publishers })
     }
 
     /// Waits for the first frame, for a while.
@@ -138,10 +142,10 @@ impl Running {
         if changed.iter().any(|c| !publishing.contains(c)) {
             // The old loop must let go of buses and lines before the new one can have them.
             self.end_sampling();
-            match sample(new, &self.shared, &self.taps) {
+            match sample(new, &self.shared, &self.taps, &self.inbox) {
                 Ok(sampling) => self.sampling = Some(sampling),
                 Err(e) => {
-                    self.sampling = Some(sample(&self.settings, &self.shared, &self.taps)?);
+                    self.sampling = Some(sample(&self.settings, &self.shared, &self.taps, &self.inbox)?);
                     return Err(e);
                 }
             }
@@ -186,7 +190,7 @@ fn spawn(name: &str, body: impl FnOnce() + Send + 'static) -> Result<JoinHandle<
 }
 
 /// Starts a sampling loop.
-fn sample(settings: &Settings, shared: &Arc<Shared>, taps: &Arc<Taps>) -> Result<Loop, StartError> {
+fn sample(settings: &Settings, shared: &Arc<Shared>, taps: &Arc<Taps>, inbox: &Arc<Inbox>) -> Result<Loop, StartError> {
     let head = settings.head();
     let source = source::open(settings, &head).map_err(StartError::Configuration)?;
     let horizon = Horizon::new(settings, head.clone());
@@ -198,7 +202,8 @@ fn sample(settings: &Settings, shared: &Arc<Shared>, taps: &Arc<Taps>) -> Result
         }
     });
     let stop = Arc::new(AtomicBool::new(false));
-    let sampling = Sampling::new(head, source, horizon, Arc::clone(shared), Arc::clone(taps), lamp);
+    let sampling =
+        Sampling::new(head, source, horizon, Arc::clone(shared), Arc::clone(taps), lamp).with_inbox(Arc::clone(inbox));
     let (rate_hz, flag) = (settings.rate_hz, Arc::clone(&stop));
     let thread = spawn("sampling", move || sampling.run(rate_hz, &flag))?;
     Ok(Loop { stop, thread })

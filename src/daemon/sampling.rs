@@ -1,8 +1,10 @@
 //! The sampling loop: tick, scan, estimate, publish. Nothing in it waits for a publisher, and after
 //! its first few rounds nothing in it allocates.
 
+use super::alignment::Alignment;
 use super::fault_log::{FaultLog, Line};
 use super::ticker::Ticker;
+use crate::aiding::Inbox;
 use crate::attitude::Estimate;
 use crate::clock;
 use crate::frame::Frame;
@@ -26,7 +28,9 @@ pub struct Sampling {
     taps: Arc<Taps>,
     writer: Writer,
     lamp: Option<Lamp<OutputLine>>,
+    /// The newest scan.
     frame: Frame,
+    alignment: Alignment,
     estimate: Estimate,
     log: FaultLog,
     line: String,
@@ -49,6 +53,7 @@ impl Sampling {
         shared.lock().estimate.faults.reserve(kinds);
         Self {
             frame: Frame::new(head.sensors.len()),
+            alignment: Alignment::new(head.sensors.len(), kinds),
             estimate: Estimate { faults: Vec::with_capacity(kinds), ..Estimate::default() },
             log: FaultLog::with_capacity(kinds),
             writer: Writer::new(&head, ""),
@@ -62,6 +67,12 @@ impl Sampling {
             taps,
             lamp,
         }
+    }
+
+    /// Takes what an autopilot says of its rates, GPS and airspeed out of `inbox`.
+    pub fn with_inbox(mut self, inbox: Arc<Inbox>) -> Self {
+        self.alignment.listen(inbox);
+        self
     }
 
     /// Runs `rate_hz` times a second until `stop` is set.
@@ -87,18 +98,26 @@ impl Sampling {
             self.lag_s = lag_s;
             lag_s.into_iter().for_each(|lag_s| self.horizon.set_lag_s(lag_s));
         }
-        self.horizon.update(&self.frame, self.source.buses_down(), &mut self.estimate);
+        let Self { source, horizon, frame, alignment, estimate, taps, line, writer, .. } = self;
+        alignment.offer(frame);
+        while let Some(aligned) = alignment.next(frame.time) {
+            horizon.update(aligned, source.buses_down(), estimate);
+            taps.offer(line, |line| writer.row(aligned, line));
+            alignment.compare(estimate);
+        }
+        let autopilot = alignment.autopilot(frame.time);
+        let shown = alignment.shown(estimate, horizon, frame);
         let rate_hz = self.rate.update(self.frame.time);
         self.shared.update(|s| {
             s.sequence += 1;
             s.written = self.frame.time;
-            s.estimate.clone_from(&self.estimate);
+            s.estimate.clone_from(shown);
+            s.autopilot = autopilot;
             s.frame.clone_from(&self.frame);
             s.health.clear();
             s.health.extend_from_slice(self.source.health());
             s.rate_hz = rate_hz;
         });
-        self.taps.offer(&mut self.line, |line| self.writer.row(&self.frame, line));
         if let Some(lamp) = &mut self.lamp {
             // A lamp that cannot be switched is tried again at the next frame.
             let _ = lamp.show(self.estimate.mode, self.frame.time);

@@ -1,5 +1,6 @@
 //! Which source of frames a configuration asks for.
 
+use crate::clock;
 use crate::config::Settings;
 use crate::head::Head;
 use crate::sensor::hardware::HardwareSource;
@@ -19,7 +20,10 @@ pub fn open(settings: &Settings, head: &Head) -> Result<Box<dyn FrameSource>, St
             for fault in &simulation.faults {
                 log::info!("simulated fault: {fault}");
             }
-            Ok(Box::new(SimulatedSource::new(simulation, head, field)))
+            // With it and the seed another program flies the same flight at the same time.
+            let origin = clock::now();
+            log::debug!("the simulated flight begins at {} µs of CLOCK_BOOTTIME", origin.as_micros());
+            Ok(Box::new(SimulatedSource::new(simulation, head, field).with_origin(origin)))
         }
         None => Ok(Box::new(HardwareSource::open(settings, head).map_err(|e| e.to_string())?)),
     }

@@ -4,6 +4,7 @@ use super::info::Control;
 use super::live::Live;
 use crate::attitude::{Attitude, Hint};
 use crate::ctl::view::Endpoint;
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use zbus::{Variant, interface};
 
@@ -185,6 +186,29 @@ impl Horizon {
     #[zbus(property(emits_changed_signal = "const"))]
     pub fn version(&self) -> &'static str {
         env!("CARGO_PKG_VERSION")
+    }
+
+    /// The autopilot that is listened to, while it is heard: `SystemId`; `RatesHz`, `GpsHz`, `AirspeedHz`, how often its
+    /// body rates, fixes and airspeeds come; `LateS`, how old the rates are then; `Used` and `Synced`, 1 for yes;
+    /// `RollDifferenceDeg` and `PitchDifferenceDeg`, its attitude less ours. What is not known is left out. Changes
+    /// are not signalled.
+    #[zbus(property(emits_changed_signal = "false"))]
+    pub fn autopilot(&self) -> HashMap<String, f64> {
+        let autopilot = lock(&self.live).snapshot.autopilot;
+        let Some(system) = autopilot.link.system else { return HashMap::new() };
+        let (link, differs) = (autopilot.link, autopilot.differs);
+        let said = [
+            ("SystemId", Some(f64::from(system))),
+            ("RatesHz", Some(link.rates_hz)),
+            ("GpsHz", Some(link.gps_hz)),
+            ("AirspeedHz", Some(link.airspeed_hz)),
+            ("Used", Some(f64::from(autopilot.used))),
+            ("Synced", Some(f64::from(link.synced))),
+            ("LateS", autopilot.late_s),
+            ("RollDifferenceDeg", differs.map(|d| d.roll.to_degrees())),
+            ("PitchDifferenceDeg", differs.map(|d| d.pitch.to_degrees())),
+        ];
+        said.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
     }
 
     /// The MAVLink endpoints: address, named counts since start and how many listen, the last error.

@@ -36,6 +36,7 @@ pub use profile::ProfileEstimator;
 use crate::attitude::{Attitude, Hint};
 use crate::frame::Frame;
 use field::MAX_SENSORS;
+use vector::Vector;
 
 /// What a level pair of 90° shows for a radian of tilt, as a share of the contrast.
 pub const PAIR_SLOPE: f64 = 1.1;
@@ -97,4 +98,9 @@ pub trait Estimator: Send {
     /// The sensors' first-order time constant, s, for methods that make use of it; one that is not
     /// finite or not in 0..=5 changes nothing.
     fn set_lag_s(&mut self, _lag_s: f64) {}
+
+    /// What is to be added to the gyro's body rates, rad/s on (nose, left, up): minus its bias, where that is known.
+    fn rate_correction(&self) -> Vector {
+        [0.0; 3]
+    }
 }

@@ -16,6 +16,7 @@ use crate::config::Settings;
 use crate::config::settings::Method;
 use crate::estimator::Estimator;
 use crate::estimator::trim::Learner;
+use crate::estimator::vector::Vector;
 use crate::fault::{ActiveFault, Detectors, FaultKind};
 use crate::frame::{Frame, Missing};
 use crate::head::Head;
@@ -100,6 +101,19 @@ impl Horizon {
     pub fn set_lag_s(&mut self, lag_s: f64) {
         if !self.lag_said {
             self.estimator.set_lag_s(lag_s);
+        }
+    }
+
+    /// What is to be added to the body rates of a gyro, rad/s on the head's (nose, left, up).
+    pub fn rate_correction(&self) -> Vector {
+        self.estimator.rate_correction()
+    }
+
+    /// The largest roll given, rad.
+    pub fn roll_limit(&self) -> f64 {
+        match self.roll_limit {
+            RollLimit::None => f64::INFINITY,
+            RollLimit::BuiltIn(limit) | RollLimit::Here(limit) => limit,
         }
     }
 

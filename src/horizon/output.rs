@@ -106,6 +106,7 @@ impl Output {
             self.held_s = 0.0;
         }
         estimate.attitude = Some(attitude);
+        estimate.measured = true;
         estimate.sigma = sigma;
     }
 
@@ -125,6 +126,7 @@ impl Output {
         estimate.time = sampled.unwrap_or(estimate.time);
         estimate.valid_at = if self.shown.is_some() { now } else { estimate.time };
         estimate.attitude = self.shown.map(|s| s.attitude);
+        estimate.measured = false;
         let shown = self.shown.or(before);
         estimate.sigma = shown.map_or(estimate.sigma, |s| s.sigma);
         let held = self.on_fault == OnFault::Hold && self.shown.is_some();

@@ -9,16 +9,20 @@
 //! - [`pace`]: not too often; pure.
 //! - [`service`]: what is answered to commands and parameter requests; pure.
 //! - [`signing`]: messages signed, and those that arrive checked.
+//! - [`identity`]: which autopilot is listened to, whose system this is a part of; pure.
+//! - [`aiding`]: what that autopilot says of rates and speeds, on its way to the frames.
 //! - [`trouble`]: what can go wrong with an endpoint, in words.
 //! - [`endpoint`]: the sockets and ttys, with their statistics.
 //! - [`tlog`]: what went out and came in, in a file.
 //! - [`publisher`]: the thread that ties them to the shared state.
 
+pub mod aiding;
 pub mod decimator;
 pub mod deframe;
 pub mod encode;
 pub mod endpoint;
 pub mod heard;
+pub mod identity;
 pub mod messages;
 pub mod pace;
 pub mod publisher;

@@ -37,7 +37,7 @@ pub use tuning::Tuning;
 use super::PAIR_SLOPE;
 use super::contrast_vector::ContrastSolver;
 use super::sides::{Sides, TELLING_K};
-use super::vector::{dot, length};
+use super::vector::{Vector, dot, length};
 use super::{Estimator, Solution, Standing};
 use crate::attitude::Attitude;
 use crate::frame::Frame;
@@ -52,7 +52,7 @@ use gyro::Gyro;
 use model::Model;
 use output::{attitude, guard};
 use predict::{Pace, predict};
-use state::{CONTRAST, State};
+use state::{CONTRAST, RATE, State};
 use stuck::Stuck;
 use witness::Witnesses;
 
@@ -202,6 +202,11 @@ impl FieldEstimator {
 }
 
 impl Estimator for FieldEstimator {
+    fn rate_correction(&self) -> Vector {
+        let x = &self.state.x;
+        if self.gyro.in_use() { [x[RATE], x[RATE + 1], x[RATE + 2]] } else { [0.0; 3] }
+    }
+
     fn set_trim(&mut self, trim: Attitude) {
         self.gyro.set_trim(trim);
     }

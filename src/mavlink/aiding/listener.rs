@@ -1,0 +1,277 @@
+//! All that is heard of the autopilot, and all that it is asked. Time comes in as an argument.
+
+use super::choice::{Choice, Source};
+use super::clock::Clock;
+use super::decode::{Stamp, Words, decode};
+use super::intervals::Intervals;
+use super::meter::Meter;
+use super::timesync::Asker;
+use crate::aiding::{Inbox, Link, Said, What};
+use crate::config::settings::MavlinkSettings;
+use crate::frame::Aiding;
+use crate::mavlink::deframe::Packet;
+use crate::mavlink::heard::Heard;
+use crate::mavlink::identity::{Identity, Notice};
+use crate::time::Time;
+use ::mavlink::dialects::common::{COMMAND_ACK_DATA, COMMAND_LONG_DATA, MavCmd, TIMESYNC_DATA};
+use std::sync::Arc;
+
+/// Rates, and everything else, older than this when they arrive are dropped, s.
+const RATES_OLD_S: f64 = 0.5;
+const SLOW_OLD_S: f64 = 2.5;
+/// While positions come this often, what says less of the same is not heeded, s.
+const POSITION_S: f64 = 1.0;
+/// While no rates come for so long, the clock goes by the stamps of positions, s.
+const DRIVEN_S: f64 = 5.0;
+/// Where COMMAND_ACK says for whom it is, where it does: system, component.
+const ACK_TARGET: (usize, usize) = (8, 9);
+
+/// What the autopilot is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ask {
+    /// TIMESYNC (111): its time.
+    Time(TIMESYNC_DATA),
+    /// COMMAND_LONG (76): to send a message at an interval.
+    Interval(COMMAND_LONG_DATA),
+}
+
+/// Listens to one autopilot.
+#[derive(Debug)]
+pub struct Listener {
+    identity: Identity,
+    component_id: u8,
+    rate_hz: f64,
+    endpoints: usize,
+    inbox: Arc<Inbox>,
+    link: Link,
+    boot: Clock,
+    epoch: Clock,
+    asker: Asker,
+    choice: Choice,
+    intervals: Intervals,
+    rates: Meter,
+    gps: Meter,
+    air: Meter,
+    /// The newest stamps of rates and of fixes: what comes twice counts once.
+    newest: [Option<Time>; 2],
+    /// When rates that have a stamp since its start came last.
+    driven: Option<Time>,
+    /// Whether the GPS has a fix, and when it said so.
+    fix: Option<(bool, Time)>,
+    positioned: Option<Time>,
+    /// Where the autopilot was heard last.
+    endpoint: usize,
+}
+
+impl Listener {
+    /// As `[mavlink]` says, for a daemon of `rate_hz`. What is heard goes to `inbox`.
+    pub fn new(settings: &MavlinkSettings, rate_hz: f64, inbox: Arc<Inbox>) -> Self {
+        let endpoints = settings.endpoints.len();
+        Self {
+            identity: Identity::new(settings.system_id, settings.autopilot_id),
+            component_id: settings.component_id,
+            rate_hz,
+            endpoints,
+            inbox,
+            link: Link { aids: settings.aiding, ..Link::default() },
+            boot: Clock::default(),
+            epoch: Clock::default(),
+            asker: Asker::default(),
+            choice: Choice::default(),
+            intervals: Intervals::new(rate_hz, endpoints),
+            rates: Meter::default(),
+            gps: Meter::default(),
+            air: Meter::default(),
+            newest: [None; 2],
+            driven: None,
+            fix: None,
+            positioned: None,
+            endpoint: 0,
+        }
+    }
+
+    /// A new configuration. What is known of the autopilot stays, unless another one is asked for.
+    pub fn configure(&mut self, settings: &MavlinkSettings, rate_hz: f64) {
+        let mut identity = self.identity.clone();
+        identity.configure(settings.system_id, settings.autopilot_id);
+        if identity.autopilot() != self.identity.autopilot() {
+            *self = Self::new(settings, rate_hz, Arc::clone(&self.inbox));
+            self.inbox.tell(self.link);
+            return;
+        }
+        self.identity = identity;
+        self.component_id = settings.component_id;
+        self.link.aids = settings.aiding;
+        if settings.endpoints.len() != self.endpoints || rate_hz != self.rate_hz {
+            (self.endpoints, self.rate_hz) = (settings.endpoints.len(), rate_hz);
+            self.intervals = Intervals::new(rate_hz, self.endpoints);
+        }
+        self.inbox.tell(self.link);
+    }
+
+    /// Who is who.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// Takes in a message that has arrived at `now` at endpoint number `endpoint`; `heard` is what it holds.
+    pub fn hear(&mut self, now: Time, endpoint: usize, packet: &Packet<'_>, heard: Option<&Heard>) {
+        match self.identity.hear(packet) {
+            Notice::Nothing => {}
+            Notice::Autopilot(id) => log::info!("listening to the autopilot of system {id}"),
+            Notice::Another(id) => {
+                log::warn!("another autopilot, of system {id}, is not listened to: choose one with autopilot-id");
+            }
+        }
+        if !self.identity.is_of_autopilot(packet) {
+            return;
+        }
+        self.endpoint = endpoint;
+        self.intervals.heard(now, endpoint, packet.id);
+        match heard {
+            Some(Heard::CommandAck(m)) if self.is_for_us(packet, ACK_TARGET) => self.acknowledged(endpoint, m),
+            Some(Heard::Timesync(m)) => {
+                if let Some(asked) = self.asker.answer(m) {
+                    self.boot.answered(asked, m.tc1, now);
+                }
+            }
+            Some(heard) => self.listen(now, heard),
+            None => {}
+        }
+        self.link = Link {
+            system: self.identity.autopilot(),
+            heard: now,
+            rates_hz: self.rates.hz(now),
+            gps_hz: self.gps.hz(now),
+            airspeed_hz: self.air.hz(now),
+            synced: self.boot.is_synced(),
+            ..self.link
+        };
+        self.inbox.tell(self.link);
+    }
+
+    /// What the autopilot is to be asked at `endpoint` now; to be called until there is nothing more.
+    pub fn ask(&mut self, now: Time, endpoint: usize) -> Option<Ask> {
+        let system = self.identity.autopilot()?;
+        if endpoint == self.endpoint
+            && let Some(question) = self.asker.ask(now)
+        {
+            return Some(Ask::Time(question));
+        }
+        if !self.link.aids {
+            return None;
+        }
+        self.intervals.ask(now, endpoint, system).map(Ask::Interval)
+    }
+
+    fn is_for_us(&self, packet: &Packet<'_>, (system, component): (usize, usize)) -> bool {
+        let ours = |at: usize, own: u8| packet.payload.get(at).is_none_or(|to| *to == 0 || *to == own);
+        ours(system, self.identity.system_id()) && ours(component, self.component_id)
+    }
+
+    fn acknowledged(&mut self, endpoint: usize, m: &COMMAND_ACK_DATA) {
+        if m.command == MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL {
+            self.intervals.answered(endpoint, m.result);
+        }
+    }
+
+    fn listen(&mut self, now: Time, heard: &Heard) {
+        let Some((stamp, words)) = decode(heard, self.identity.is_ardupilot()) else { return };
+        let drives = match words {
+            Words::Attitude(..) | Words::Rates(..) => {
+                self.driven = Some(now);
+                true
+            }
+            // A position has the stamp of its fix, which may have been some time ago.
+            _ => self.driven.is_none_or(|at| now.since(at) > DRIVEN_S),
+        };
+        let Some(time) = self.moment(now, stamp, drives) else { return };
+        let age_s = now.since(time);
+        match words {
+            Words::Rates(source, rate) if age_s <= RATES_OLD_S => self.rates(now, time, source, rate),
+            Words::Attitude(attitude, yaw, rate) if age_s <= RATES_OLD_S => {
+                self.say(now, time, What::Attitude(attitude, yaw));
+                if let Some(rate) = rate {
+                    self.rates(now, time, Source::Attitude, rate);
+                }
+            }
+            Words::Position(aiding) if age_s <= SLOW_OLD_S => {
+                self.positioned = Some(now);
+                // Without a fix the filter's velocity is not the GPS's.
+                let no_fix = self.fix.is_some_and(|(fix, at)| !fix && now.since(at) <= SLOW_OLD_S);
+                if !no_fix {
+                    self.fixed(now, time, aiding);
+                }
+            }
+            Words::Fix(fix) => {
+                self.fix = Some((fix.is_some(), now));
+                if let Some(aiding) = fix.filter(|_| age_s <= SLOW_OLD_S && !self.has_position(now)) {
+                    self.fixed(now, time, aiding);
+                }
+            }
+            Words::Air(aiding) => {
+                if aiding.airspeed_m_s.is_some() {
+                    self.air.count(now);
+                }
+                let climb_m_s = aiding.climb_m_s.filter(|_| !self.has_position(now));
+                self.say(now, time, What::Slow(Aiding { climb_m_s, ..aiding }));
+            }
+            Words::Rates(..) | Words::Attitude(..) | Words::Position(..) => {}
+        }
+    }
+
+    fn has_position(&self, now: Time) -> bool {
+        self.positioned.is_some_and(|at| now.since(at) <= POSITION_S)
+    }
+
+    /// When that was, on our clock.
+    fn moment(&mut self, now: Time, stamp: Stamp, drives: bool) -> Option<Time> {
+        let sent = match stamp {
+            Stamp::Millis(ms) => self.boot.of_millis(ms),
+            Stamp::Micros(usec) | Stamp::Epoch(usec) => i64::try_from(usec).ok()?.checked_mul(1000)?,
+            Stamp::None => {
+                let way_s = self.boot.delay_s(now);
+                return Some(Time::from_secs_f64(now.as_secs_f64() - way_s));
+            }
+        };
+        let clock = if matches!(stamp, Stamp::Epoch(_)) { &mut self.epoch } else { &mut self.boot };
+        let began = drives && clock.arrived(now, sent);
+        let moment = clock.ours(now, sent);
+        if began {
+            log::info!("the autopilot's clock has begun anew");
+            self.asker = Asker::default();
+            self.intervals.restart();
+            self.newest = [None; 2];
+        }
+        moment
+    }
+
+    /// Whether a stamp is newer than all before.
+    fn is_new(&mut self, kind: usize, time: Time) -> bool {
+        let new = self.newest[kind].is_none_or(|newest| time > newest);
+        self.newest[kind] = self.newest[kind].max(Some(time));
+        new
+    }
+
+    fn rates(&mut self, now: Time, time: Time, source: Source, rate: [f64; 3]) {
+        if self.choice.heeds(source, now) {
+            if self.is_new(0, time) {
+                self.rates.count(now);
+            }
+            self.say(now, time, What::Rates(rate));
+        }
+    }
+
+    fn fixed(&mut self, now: Time, time: Time, aiding: Aiding) {
+        if self.is_new(1, time) {
+            if aiding.ground_speed_m_s.is_some() {
+                self.gps.count(now);
+            }
+            self.say(now, time, What::Slow(aiding));
+        }
+    }
+
+    fn say(&self, now: Time, time: Time, what: What) {
+        self.inbox.push(Said { time, arrived: now, what });
+    }
+}
