@@ -106,8 +106,11 @@ pub struct Sensor {
     /// Its identity, hexadecimal, empty when unknown.
     pub identity: String,
     /// Named counts since start: `reads`, `retries`, `no-answer`, `bad-pec`, …
-    pub counters: Vec<(String, u64)>,
+    pub counters: Counters,
 }
+
+/// Counts by name, as on D-Bus.
+pub type Counters = Vec<(String, u64)>;
 
 /// A MAVLink endpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
