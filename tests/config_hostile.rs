@@ -73,7 +73,7 @@ fn the_shipped_file_is_right_and_its_comments_show_the_defaults() {
     assert_eq!((HeadSettings { lag_s: None, ..all.head }, unsaid), (defaults.head, defaults.estimator));
     assert_eq!(irhorizon::config::settings::FaultSettings { lamp: None, ..all.faults }, defaults.faults);
     assert_eq!((all.dbus, all.simulation), (defaults.dbus, None));
-    assert_eq!((all.mavlink.system_id, all.mavlink.component_id), (1, 191));
+    assert_eq!((all.mavlink.system_id, all.mavlink.component_id), (None, 191));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::advice;
 use super::client::ClientError;
-use super::view::{Autopilot, Endpoint, Fault, Hint, Sensor, Status, Trim};
+use super::view::{Autopilot, Counters, Endpoint, Fault, Hint, Sensor, Status, Trim};
 use crate::dbus::SENSOR;
 use crate::time::Time;
 use std::collections::HashMap;
@@ -36,7 +36,7 @@ pub(super) fn status(
 ) -> Result<Status, ClientError> {
     let mut p = Properties(what, horizon);
     let faults: Vec<(String, u64, String)> = p.take("FaultDetails")?;
-    let endpoints: Vec<(String, Vec<(String, u64)>, String)> = p.take("Endpoints")?;
+    let endpoints: Vec<(String, Counters, String)> = p.take("Endpoints")?;
     let age_s = |usec: u64| now.since(Time::from_nanos(usec.saturating_mul(1_000)));
     let autopilot: HashMap<String, f64> = p.take("Autopilot")?;
     let sample_time_usec = p.take("SampleTimeUsec")?;

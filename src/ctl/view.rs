@@ -108,7 +108,7 @@ pub struct Sensor {
     /// Its identity, hexadecimal, empty when unknown.
     pub identity: String,
     /// Named counts since start: `reads`, `retries`, `no-answer`, `bad-pec`, …
-    pub counters: Vec<(String, u64)>,
+    pub counters: Counters,
 }
 
 /// The autopilot that is listened to.
@@ -133,6 +133,9 @@ pub struct Autopilot {
     /// Its pitch less ours, °.
     pub pitch_difference_deg: Option<f64>,
 }
+
+/// Counts by name, as on D-Bus.
+pub type Counters = Vec<(String, u64)>;
 
 /// A MAVLink endpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -3,7 +3,7 @@
 use super::info::Control;
 use super::live::Live;
 use crate::attitude::{Attitude, Hint};
-use crate::ctl::view::Endpoint;
+use crate::ctl::view::{Counters, Endpoint};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use zbus::{Variant, interface};
@@ -214,7 +214,7 @@ impl Horizon {
     /// The MAVLink endpoints: address, named counts since start and how many listen, the last error.
     /// Changes are not signalled.
     #[zbus(property(emits_changed_signal = "false"))]
-    pub fn endpoints(&self) -> Vec<(String, Vec<(String, u64)>, String)> {
+    pub fn endpoints(&self) -> Vec<(String, Counters, String)> {
         let named = |e: &Endpoint| e.counters().map(|(name, count)| (name.to_owned(), count)).into();
         self.control.endpoints().into_iter().map(|e| (e.address.clone(), named(&e), e.last_error)).collect()
     }

@@ -14,7 +14,9 @@
 //! - [`trouble`]: what can go wrong with an endpoint, in words.
 //! - [`endpoint`]: the sockets and ttys, with their statistics.
 //! - [`tlog`]: what went out and came in, in a file.
-//! - [`publisher`]: the thread that ties them to the shared state.
+//! - [`station`]: what is heeded, and in whose name messages go out; [`signer`]: the key with its file.
+//! - [`link`]: an endpoint with its stream, and with those who ask there.
+//! - [`publisher`]: the thread that ties them to the shared state; [`switchboard`]: between it and the daemon.
 
 pub mod aiding;
 pub mod decimator;
@@ -23,11 +25,15 @@ pub mod encode;
 pub mod endpoint;
 pub mod heard;
 pub mod identity;
+pub mod link;
 pub mod messages;
 pub mod pace;
 pub mod publisher;
 pub mod service;
 pub mod session;
+pub mod signer;
 pub mod signing;
+pub mod station;
+pub mod switchboard;
 pub mod tlog;
 pub mod trouble;

@@ -1,0 +1,149 @@
+//! What is heeded of all that comes in, at whichever endpoint, and in whose name messages go out.
+
+use super::aiding::{Ask, Listener, timesync};
+use super::deframe::Packet;
+use super::encode::Encoder;
+use super::heard::Heard;
+use super::messages::Message;
+use super::service::{Change, Ids, Order, Replies, Service, Situation};
+use super::session::{Seen, Session};
+use super::signer::Signer;
+use crate::aiding::Inbox;
+use crate::config::Settings;
+use crate::head::Head;
+use crate::time::Time;
+use std::sync::Arc;
+
+/// The daemon on the network, at all endpoints.
+pub struct Station {
+    settings: Arc<Settings>,
+    head: Arc<Head>,
+    listener: Listener,
+    signer: Option<Signer>,
+    changes: Vec<Change>,
+}
+
+impl Station {
+    /// With the first configuration; what is heard of the autopilot goes to `inbox`.
+    pub fn new(settings: Arc<Settings>, inbox: Arc<Inbox>) -> Self {
+        Self {
+            head: Arc::new(settings.head()),
+            listener: Listener::new(&settings.mavlink, settings.rate_hz, inbox),
+            signer: Signer::wanted(&settings.mavlink),
+            changes: Vec::new(),
+            settings,
+        }
+    }
+
+    /// Takes up a new configuration; gives the one before.
+    pub fn configure(&mut self, _now: Time, settings: Arc<Settings>) -> Arc<Settings> {
+        if settings.mavlink.signing_key != self.settings.mavlink.signing_key {
+            self.finish();
+            self.signer = Signer::wanted(&settings.mavlink);
+        }
+        self.head = Arc::new(settings.head());
+        self.listener.configure(&settings.mavlink, settings.rate_hz);
+        std::mem::replace(&mut self.settings, settings)
+    }
+
+    /// The configuration in force.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Who names what faults speak of.
+    pub fn head(&self) -> Arc<Head> {
+        Arc::clone(&self.head)
+    }
+
+    /// The autopilot's yaw, rad, where it is wanted and was heard lately.
+    pub fn yaw(&self, now: Time) -> Option<f32> {
+        self.listener.yaw(now).filter(|_| self.settings.mavlink.yaw)
+    }
+
+    /// The changes of settings asked for since these were taken.
+    pub fn changes(&mut self) -> &mut Vec<Change> {
+        &mut self.changes
+    }
+
+    fn us(&self) -> Ids {
+        Ids { system: self.listener.identity().system_id(), component: self.settings.mavlink.component_id }
+    }
+
+    /// The frame of a message for endpoint number `index`, signed where there is a key. Nothing goes out unsigned where
+    /// a key is wanted and cannot be had: the frame is empty then.
+    pub fn encode<'a>(&mut self, encoder: &'a mut Encoder, message: &Message, index: usize) -> &'a [u8] {
+        let us = self.us();
+        encoder.identify(us.system, us.component);
+        match &mut self.signer {
+            None => encoder.encode(message),
+            Some(signer) => signer.encode(encoder, message, index),
+        }
+    }
+
+    /// Takes in a message that has come to endpoint number `index`.
+    pub fn hear(
+        &mut self,
+        now: Time,
+        index: usize,
+        packet: &Packet<'_>,
+        seen: &Seen,
+        (service, session): (&mut Service, &mut Session),
+        replies: &mut Replies,
+    ) {
+        if self.signer.as_mut().is_some_and(|s| !s.admits(now, packet)) {
+            return;
+        }
+        let heard = Heard::new(packet);
+        self.listener.hear(now, index, packet, heard.as_ref());
+        let (us, from) = (self.us(), Ids { system: packet.system_id, component: packet.component_id });
+        match &heard {
+            Some(Heard::Request(request)) => {
+                service.heed(from, request, &self.situation(now, us, seen), session, replies);
+            }
+            Some(Heard::Timesync(question)) => {
+                let answer = timesync::reply(packet, question, (us.system, us.component), now);
+                replies.messages.extend(answer.map(Message::Timesync));
+            }
+            _ => {}
+        }
+        self.obey(replies);
+    }
+
+    /// What is due of what goes on with those who ask at an endpoint.
+    pub fn tend_service(&mut self, now: Time, seen: &Seen, service: &mut Service, replies: &mut Replies) {
+        let us = self.us();
+        service.step(&self.situation(now, us, seen), replies);
+        self.obey(replies);
+    }
+
+    /// What the autopilot is to be asked at endpoint number `index`.
+    pub fn ask(&mut self, now: Time, index: usize, replies: &mut Replies) {
+        while let Some(ask) = self.listener.ask(now, index) {
+            replies.messages.push(match ask {
+                Ask::Time(question) => Message::Timesync(question),
+                Ask::Interval(command) => Message::Command(command),
+            });
+        }
+    }
+
+    /// What is to be done now and then.
+    pub fn tend(&mut self) {
+        self.signer.iter_mut().for_each(Signer::tend);
+    }
+
+    /// Nothing more will be sent.
+    pub fn finish(&mut self) {
+        self.signer.take().into_iter().for_each(Signer::finish);
+    }
+
+    fn situation<'a>(&'a self, now: Time, us: Ids, seen: &'a Seen) -> Situation<'a> {
+        Situation { now, us, settings: &self.settings, seen, flying: self.listener.flying(now) }
+    }
+
+    fn obey(&mut self, replies: &mut Replies) {
+        for Order::Set(changes) in replies.orders.drain(..) {
+            self.changes.extend(changes);
+        }
+    }
+}
