@@ -10,8 +10,8 @@ pub const FARTHEST_S: f64 = 0.25;
 
 /// The attitude at `to` of what had `attitude` and `sigma` at `from`; `None` where the rates do not tell.
 ///
-/// The newest rates stand for the time after them; what they may have changed by since then, as they have of late,
-/// is added to the standard deviations. `correction` is added to the rates, rad/s on (nose, left, up).
+/// After the newest rates theirs are a guess; what they may have changed by since then, as they have of late, is added
+/// to the standard deviations. `correction` is added to the rates, rad/s on (nose, left, up).
 pub fn carry(
     (attitude, sigma): (Attitude, Attitude),
     rates: &Rates,

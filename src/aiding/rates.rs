@@ -1,4 +1,4 @@
-//! Body rates against time: in order, interpolated, and held on for a moment. Pure.
+//! Body rates against time: in order, interpolated, and guessed for a moment. Pure.
 
 use crate::time::Time;
 use std::collections::VecDeque;
@@ -7,8 +7,12 @@ use std::collections::VecDeque;
 const KEPT: usize = 64;
 /// Rates farther apart than this say nothing of what is between them, s.
 const GAP_S: f64 = 0.25;
-/// The newest rates stand for what follows for so long, s.
+/// What follows the newest rates is guessed from them for so long, s.
 pub const HELD_S: f64 = 0.2;
+/// A change of rates is seen over this at least, and goes on with this time constant, s: an aircraft that begins to
+/// roll goes on with that for a moment.
+const CHANGE_S: f64 = 0.035;
+const GOES_ON_S: f64 = 0.07;
 /// Over how long it is learnt how fast rates change, s.
 const LATELY_S: f64 = 2.0;
 
@@ -82,12 +86,25 @@ impl Rates {
         self.wander
     }
 
-    /// The rates at `time`: between two that are near enough, or the newest, held.
+    /// How fast the newest rates change, °/s².
+    fn change(&self) -> Rate {
+        let Some((newest, rate)) = self.kept.back().copied() else { return [0.0; 3] };
+        let before = self.kept.iter().rev().copied().find(|(t, _)| newest.since(*t) >= CHANGE_S);
+        match before.map(|(t, before)| (newest.since(t), before)) {
+            Some((dt_s, before)) if dt_s < GAP_S => std::array::from_fn(|i| (rate[i] - before[i]) / dt_s),
+            _ => [0.0; 3],
+        }
+    }
+
+    /// The rates at `time`: between two that are near enough, or a guess from the newest.
     pub fn at(&self, time: Time) -> Option<Rate> {
         let place = self.kept.partition_point(|(t, _)| *t < time);
         let Some((after, next)) = self.kept.get(place).copied() else {
             let (newest, rate) = self.kept.back().copied()?;
-            return (time.since(newest) <= HELD_S).then_some(rate);
+            let after_s = time.since(newest);
+            let gain = GOES_ON_S * (1.0 - (-after_s / GOES_ON_S).exp());
+            let change = self.change();
+            return (after_s <= HELD_S).then(|| std::array::from_fn(|i| rate[i] + gain * change[i]));
         };
         if after == time {
             return Some(next);
@@ -127,14 +144,16 @@ mod tests {
     }
 
     #[test]
-    fn between_two_a_straight_line_and_the_newest_for_a_moment() {
+    fn between_two_a_straight_line_and_a_guess_for_a_moment() {
         let rates = rates(&[(0.0, 10.0), (20.0, 20.0), (80.0, -40.0)]);
         let p = |ms| rates.at(at(ms)).map(|r| (r[0] * 1e6).round() / 1e6);
         assert_eq!(
             [p(-1.0), p(0.0), p(5.0), p(50.0), p(80.0)],
             [None, Some(10.0), Some(12.5), Some(-10.0), Some(-40.0)]
         );
-        assert_eq!([p(279.0), p(281.0)], [Some(-40.0), None]);
+        // It falls by 60 °/s in 60 ms, and goes on with that for a while.
+        assert!(p(80.1).is_some_and(|r| (r + 40.1).abs() < 0.01));
+        assert!(p(279.0).is_some_and(|r| (-110.0..-100.0).contains(&r)) && p(281.0).is_none());
     }
 
     #[test]
