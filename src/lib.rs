@@ -38,6 +38,7 @@ pub mod horizon;
 pub mod mavlink;
 pub mod plot;
 pub mod recording;
+pub mod save;
 pub mod sensor;
 pub mod simulation;
 pub mod sky;

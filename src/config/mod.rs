@@ -56,6 +56,13 @@ pub fn load(path: &Path) -> Result<Loaded, ConfigErrors> {
     build(&file::read_all(path)?, true)
 }
 
+/// Loads `path` and its drop-ins, and `text` as the last one of them, called `name`.
+pub fn load_with(path: &Path, name: &Path, text: String) -> Result<Loaded, ConfigErrors> {
+    let mut sources = file::read_all(path)?;
+    sources.push(Source { name: name.into(), text });
+    build(&sources, true)
+}
+
 /// Loads `path` for the replay of a recording: one without any `[[sensor]]` is right as well, and
 /// means the six named ones.
 pub fn load_for_replay(path: &Path) -> Result<Loaded, ConfigErrors> {

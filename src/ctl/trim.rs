@@ -3,7 +3,7 @@
 use super::cli::TrimArgs;
 use super::error::CtlError;
 use super::run::print;
-use super::save::{FileSystem, replace};
+use crate::save::{FileSystem, replace};
 use super::view::Trim;
 use std::fmt::Write as _;
 use std::io::Write;

@@ -3,7 +3,7 @@
 use crate::config::Loaded;
 use crate::ctl::view::Endpoint;
 use crate::dbus::{Control, ServiceInfo};
-use crate::mavlink::publisher::Switchboard;
+use crate::mavlink::switchboard::Switchboard;
 use crate::recording::Writer;
 use signal_hook::consts::SIGHUP;
 use signal_hook::low_level::raise;
@@ -59,5 +59,12 @@ impl Control for Desk {
             self.reloaded(&Err(format!("the daemon could not be told to reload: {e}")));
         }
         outcome
+    }
+}
+
+/// The same for a change that was asked for by MAVLink.
+pub fn hang_up() {
+    if let Err(e) = raise(SIGHUP) {
+        log::error!("the daemon could not be told of a change: {e}");
     }
 }

@@ -4,6 +4,7 @@
 //! - [`running`]: the parts at work, and how a new configuration gets into them;
 //! - [`sampling`], [`ticker`], [`alignment`], [`fault_log`]: the sampling loop;
 //! - [`source`]: which source of frames a configuration asks for;
+//! - [`kept`]: settings changed in operation;
 //! - [`control`]: what D-Bus may ask of the daemon.
 //!
 //! Threads: `main` waits for signals, `sampling` makes frames, `mavlink` and `dbus` publish them.
@@ -12,15 +13,16 @@ pub mod alignment;
 pub mod cli;
 pub mod control;
 pub mod fault_log;
+pub mod kept;
 pub mod logging;
 pub mod running;
 pub mod sampling;
 pub mod source;
 pub mod ticker;
 
-use crate::config;
 use clap::Parser;
 use cli::Cli;
+use kept::Kept;
 use running::Running;
 use sd_notify::NotifyState;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -35,7 +37,8 @@ const EX_CONFIG: u8 = 78;
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     logging::start(cli.log_level.into());
-    let loaded = match config::load(&cli.config) {
+    let kept = Kept::new(&cli.config);
+    let loaded = match kept.load() {
         Ok(loaded) => loaded,
         Err(errors) => {
             log::error!("the configuration cannot be used:\n{errors}");
@@ -53,7 +56,7 @@ pub fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    let mut running = match Running::start(loaded) {
+    let mut running = match Running::start(loaded, kept) {
         Ok(running) => running,
         Err(e) => {
             log::error!("{e}");
@@ -64,7 +67,7 @@ pub fn main() -> ExitCode {
     notify(&[NotifyState::Ready]);
     for signal in signals.forever() {
         if signal == SIGHUP {
-            running.reload(&cli.config);
+            running.reload();
         } else {
             break;
         }

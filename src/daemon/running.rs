@@ -1,21 +1,22 @@
 //! The parts at work, and how a new configuration gets into them.
 
-use super::control::Desk;
-use super::sampling::Sampling;
+use super::control::{self, Desk};
+use super::kept::Kept;
+use super::sampling::{Retune, Sampling};
 use super::source;
 use crate::aiding::Inbox;
-use crate::config::{self, Loaded, Settings};
-use crate::config::{Change, changes};
+use crate::config::{Loaded, Settings};
+use crate::config::changes;
 use crate::dbus::{self, DbusError, Service};
 use crate::gpio::lamp::Lamp;
 use crate::gpio::output::OutputLine;
 use crate::horizon::Horizon;
-use crate::mavlink::publisher::{self, Switchboard};
+use crate::mavlink::publisher;
+use crate::mavlink::switchboard::Switchboard;
 use crate::recording::Taps;
 use crate::state::Shared;
 use std::fmt;
-use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::thread::{self, JoinHandle};
@@ -63,12 +64,14 @@ impl std::error::Error for StartError {}
 /// A sampling loop at work.
 struct Loop {
     stop: Arc<AtomicBool>,
+    retune: Retune,
     thread: JoinHandle<()>,
 }
 
 /// The daemon at work.
 pub struct Running {
     settings: Settings,
+    kept: Kept,
     shared: Arc<Shared>,
     taps: Arc<Taps>,
     /// What the autopilot says, on its way to the sampling loop.
@@ -81,12 +84,12 @@ pub struct Running {
 
 impl Running {
     /// Starts everything.
-    pub fn start(loaded: Loaded) -> Result<Self, StartError> {
+    pub fn start(loaded: Loaded, kept: Kept) -> Result<Self, StartError> {
         let settings = &loaded.settings;
         let shared = Arc::new(Shared::default());
         let taps = Arc::new(Taps::default());
         let inbox = Arc::new(Inbox::default());
-        let mavlink = Arc::new(Switchboard::new(settings.mavlink.clone(), Arc::new(settings.head())));
+        let mavlink = Arc::new(Switchboard::new(settings.clone(), Arc::clone(&inbox), control::hang_up));
         let desk = Arc::new(Desk::new(&loaded, Arc::clone(&mavlink)));
         let mut publishers = Vec::new();
         if let Some(bus) = settings.dbus.bus.clone() {
@@ -111,7 +114,7 @@ impl Running {
             let (shared, mavlink) = (Arc::clone(&shared), Arc::clone(&mavlink));
             publishers.push(spawn("mavlink", move || publisher::run(&shared, &mavlink))?);
         }
-        Ok(Self { settings: loaded.settings, shared, taps, inbox, mavlink, desk, sampling, publishers })
+        Ok(Self { settings: loaded.settings, kept, shared, taps, inbox, mavlink, desk, sampling, publishers })
     }
 
     /// Waits for the first frame, for a while.
@@ -119,9 +122,15 @@ impl Running {
         drop(self.shared.wait_beyond(0, FIRST_FRAME));
     }
 
-    /// Takes up the configuration in `path`; one that is not good changes nothing.
-    pub fn reload(&mut self, path: &Path) {
-        let outcome = match config::load(path) {
+    /// Takes up the configuration as it is written now, with what was changed by MAVLink; one that is not good changes
+    /// nothing.
+    pub fn reload(&mut self) {
+        let changes = self.mavlink.take_changes();
+        if !changes.is_empty() {
+            changes.iter().for_each(|c| log::info!("set by MAVLink: {c}"));
+            self.kept.keep(&changes);
+        }
+        let outcome = match self.kept.load() {
             Ok(loaded) => self.take_up(loaded).map_err(|e| e.to_string()),
             Err(errors) => Err(errors.to_string()),
         };
@@ -138,8 +147,7 @@ impl Running {
         for change in changed.iter().filter(|c| c.needs_restart()) {
             log::warn!("{} has changed: that takes effect when irhorizond is restarted", change.as_str());
         }
-        let publishing = [Change::Mavlink, Change::DbusBus, Change::DbusUpdate];
-        if changed.iter().any(|c| !publishing.contains(c)) {
+        if changed.iter().any(|c| c.begins_anew()) {
             // The old loop must let go of buses and lines before the new one can have them.
             self.end_sampling();
             match sample(new, &self.shared, &self.taps, &self.inbox) {
@@ -149,8 +157,10 @@ impl Running {
                     return Err(e);
                 }
             }
+        } else if let Some(Loop { retune, .. }) = &self.sampling {
+            *retune.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(new.clone()));
         }
-        self.mavlink.configure(new.mavlink.clone(), Arc::new(new.head()));
+        self.mavlink.configure(new.clone());
         self.desk.configure(&loaded);
         self.shared.update(|s| s.generation += 1);
         self.settings = loaded.settings;
@@ -158,7 +168,7 @@ impl Running {
     }
 
     fn end_sampling(&mut self) {
-        if let Some(Loop { stop, thread }) = self.sampling.take() {
+        if let Some(Loop { stop, thread, .. }) = self.sampling.take() {
             stop.store(true, Ordering::Relaxed);
             let _ = thread.join();
         }
@@ -168,7 +178,7 @@ impl Running {
     pub fn stop(mut self) {
         let deadline = Instant::now() + END_WITHIN;
         self.shared.update(|s| s.stopping = true);
-        if let Some(Loop { stop, thread }) = self.sampling.take() {
+        if let Some(Loop { stop, thread, .. }) = self.sampling.take() {
             stop.store(true, Ordering::Relaxed);
             self.publishers.push(thread);
         }
@@ -202,9 +212,11 @@ fn sample(settings: &Settings, shared: &Arc<Shared>, taps: &Arc<Taps>, inbox: &A
         }
     });
     let stop = Arc::new(AtomicBool::new(false));
+    let retune = Retune::default();
     let sampling =
-        Sampling::new(head, source, horizon, Arc::clone(shared), Arc::clone(taps), lamp).with_inbox(Arc::clone(inbox));
+        Sampling::new(head, source, horizon, Arc::clone(shared), Arc::clone(taps), lamp).with_inbox(Arc::clone(inbox))
+            .with_retune(Arc::clone(&retune));
     let (rate_hz, flag) = (settings.rate_hz, Arc::clone(&stop));
     let thread = spawn("sampling", move || sampling.run(rate_hz, &flag))?;
-    Ok(Loop { stop, thread })
+    Ok(Loop { stop, retune, thread })
 }

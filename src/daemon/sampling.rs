@@ -7,6 +7,7 @@ use super::ticker::Ticker;
 use crate::aiding::Inbox;
 use crate::attitude::Estimate;
 use crate::clock;
+use crate::config::Settings;
 use crate::frame::Frame;
 use crate::gpio::lamp::Lamp;
 use crate::gpio::output::OutputLine;
@@ -16,8 +17,11 @@ use crate::recording::{Taps, Writer};
 use crate::source::{FrameSource, SensorHealth};
 use crate::state::Shared;
 use crate::time::Time;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::sync::atomic::AtomicBool;
+
+/// Settings for the loop to take up as it goes.
+pub type Retune = Arc<Mutex<Option<Box<Settings>>>>;
 
 /// The loop's parts.
 pub struct Sampling {
@@ -33,6 +37,7 @@ pub struct Sampling {
     alignment: Alignment,
     estimate: Estimate,
     log: FaultLog,
+    retune: Retune,
     line: String,
     rate: RateMeter,
     lag_s: Option<f64>,
@@ -56,6 +61,7 @@ impl Sampling {
             alignment: Alignment::new(head.sensors.len(), kinds),
             estimate: Estimate { faults: Vec::with_capacity(kinds), ..Estimate::default() },
             log: FaultLog::with_capacity(kinds),
+            retune: Retune::default(),
             writer: Writer::new(&head, ""),
             line: String::with_capacity(1024),
             rate: RateMeter::default(),
@@ -67,6 +73,12 @@ impl Sampling {
             taps,
             lamp,
         }
+    }
+
+    /// Takes up thresholds and trims from `retune`.
+    pub fn with_retune(mut self, retune: Retune) -> Self {
+        self.retune = retune;
+        self
     }
 
     /// Takes what an autopilot says of its rates, GPS and airspeed out of `inbox`.
@@ -93,6 +105,9 @@ impl Sampling {
     /// One round, begun at `tick`.
     pub fn step(&mut self, tick: Time) {
         self.source.scan(tick, &mut self.frame);
+        // Whoever writes it holds it for a moment only; what is missed now is taken up at the next frame.
+        let retuned = self.retune.try_lock().ok().and_then(|mut settings| settings.take());
+        retuned.iter().for_each(|settings| self.horizon.retune(settings));
         let lag_s = lag_s(self.source.health());
         if lag_s != self.lag_s {
             self.lag_s = lag_s;

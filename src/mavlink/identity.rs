@@ -12,6 +12,9 @@ const INVALID: u8 = 8;
 const ARDUPILOT: u8 = 3;
 /// Where HEARTBEAT says which autopilot it is of.
 const KIND_AT: usize = 5;
+/// Where it says its mode, and MAV_MODE_FLAG_SAFETY_ARMED there.
+const MODE_AT: usize = 6;
+const ARMED: u8 = 128;
 
 /// What a message has told of who is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,19 +34,20 @@ pub struct Identity {
     autopilot_id: Option<u8>,
     /// The system of the autopilot that was heard, and what kind of autopilot it is.
     heard: Option<(u8, u8)>,
+    armed: bool,
     told: bool,
 }
 
 impl Identity {
     /// With the configured `system-id` and `autopilot-id`.
     pub const fn new(system_id: Option<u8>, autopilot_id: Option<u8>) -> Self {
-        Self { system_id, autopilot_id, heard: None, told: false }
+        Self { system_id, autopilot_id, heard: None, armed: false, told: false }
     }
 
     /// A new configuration. The autopilot stays unless another one is asked for.
     pub fn configure(&mut self, system_id: Option<u8>, autopilot_id: Option<u8>) {
         let heard = self.heard.filter(|(id, _)| autopilot_id.is_none_or(|wanted| wanted == *id));
-        *self = Self { system_id, autopilot_id, heard, told: false };
+        *self = Self { system_id, autopilot_id, heard, armed: self.armed, told: false };
     }
 
     /// Takes in a message.
@@ -57,6 +61,7 @@ impl Identity {
         let listened = self.heard.map(|(id, _)| id).or(self.autopilot_id);
         if listened.is_none_or(|listened| listened == id) {
             let first = self.heard.replace((id, kind)).is_none();
+            self.armed = packet.payload.get(MODE_AT).is_some_and(|mode| mode & ARMED != 0);
             return if first { Notice::Autopilot(id) } else { Notice::Nothing };
         }
         if std::mem::replace(&mut self.told, true) { Notice::Nothing } else { Notice::Another(id) }
@@ -65,6 +70,11 @@ impl Identity {
     /// The system of the autopilot that is listened to, once it was heard.
     pub fn autopilot(&self) -> Option<u8> {
         self.heard.map(|(id, _)| id)
+    }
+
+    /// Whether that autopilot said that its motors are armed.
+    pub fn is_armed(&self) -> bool {
+        self.armed
     }
 
     /// Whether that autopilot is an ArduPilot.

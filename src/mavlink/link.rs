@@ -54,9 +54,7 @@ pub fn all(now: Time, sequence: u64, settings: &Settings, mut old: Vec<Link>) ->
                 turns: Pace::new(TURN, TURNS_AT_ONCE),
             }
         });
-        link.session = Session::new(now, sequence, &e.streams)
-            .with_sys_status(settings.mavlink.sys_status)
-            .with_frame_rate(settings.rate_hz);
+        link.session.configure(now, &e.streams, settings.mavlink.sys_status, settings.rate_hz);
         link.endpoint.log_to(e.tlog.as_deref());
         link
     };

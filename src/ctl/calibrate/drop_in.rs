@@ -3,7 +3,7 @@
 use super::error::CalibrateError;
 use crate::config::{self, Loaded};
 use crate::ctl::error::CtlError;
-use crate::ctl::save::{FileSystem, Undone, replace_and_keep, undo};
+use crate::save::{FileSystem, Undone, replace_and_keep, undo};
 use crate::ctl::setup_args::Quantity;
 use std::fs;
 use std::io;

@@ -19,7 +19,7 @@ pub use level::Level;
 use super::error::CtlError;
 use super::kit::{Daemon, DaemonError, Kit};
 use super::run::print;
-use super::save::Undone;
+use crate::save::Undone;
 use super::setup_args::{CalibrateArgs, Quantity};
 use super::view::Status;
 use crate::config::settings::BusAddress;

@@ -23,6 +23,9 @@ const SLOW_OLD_S: f64 = 2.5;
 const POSITION_S: f64 = 1.0;
 /// While no rates come for so long, the clock goes by the stamps of positions, s.
 const DRIVEN_S: f64 = 5.0;
+/// Faster than anybody walks, m/s; so long after that it may still fly, s.
+const WALK_M_S: f64 = 3.0;
+const MOVED_S: f64 = 10.0;
 /// Where COMMAND_ACK says for whom it is, where it does: system, component.
 const ACK_TARGET: (usize, usize) = (8, 9);
 
@@ -59,6 +62,10 @@ pub struct Listener {
     /// Whether the GPS has a fix, and when it said so.
     fix: Option<(bool, Time)>,
     positioned: Option<Time>,
+    /// Its yaw, rad clockwise from north, and when it arrived.
+    yaw: Option<(f64, Time)>,
+    /// When it moved faster than anybody walks.
+    moved: Option<Time>,
     /// Where the autopilot was heard last.
     endpoint: usize,
 }
@@ -86,6 +93,8 @@ impl Listener {
             driven: None,
             fix: None,
             positioned: None,
+            yaw: None,
+            moved: None,
             endpoint: 0,
         }
     }
@@ -150,6 +159,16 @@ impl Listener {
         self.inbox.tell(self.link);
     }
 
+    /// Its yaw, rad clockwise from north, heard within half a second.
+    pub fn yaw(&self, now: Time) -> Option<f32> {
+        self.yaw.filter(|(_, at)| now.since(*at) <= RATES_OLD_S).map(|(yaw, _)| yaw as f32)
+    }
+
+    /// Whether the aircraft flies, or may: its motors are armed, or it moved lately.
+    pub fn flying(&self, now: Time) -> bool {
+        self.identity.is_armed() || self.moved.is_some_and(|at| now.since(at) <= MOVED_S)
+    }
+
     /// What the autopilot is to be asked at `endpoint` now; to be called until there is nothing more.
     pub fn ask(&mut self, now: Time, endpoint: usize) -> Option<Ask> {
         let system = self.identity.autopilot()?;
@@ -190,6 +209,7 @@ impl Listener {
         match words {
             Words::Rates(source, rate) if age_s <= RATES_OLD_S => self.rates(now, time, source, rate),
             Words::Attitude(attitude, yaw, rate) if age_s <= RATES_OLD_S => {
+                self.yaw = Some((yaw, now));
                 self.say(now, time, What::Attitude(attitude, yaw));
                 if let Some(rate) = rate {
                     self.rates(now, time, Source::Attitude, rate);
@@ -263,6 +283,9 @@ impl Listener {
     }
 
     fn fixed(&mut self, now: Time, time: Time, aiding: Aiding) {
+        if aiding.ground_speed_m_s.is_some_and(|speed| speed > WALK_M_S) {
+            self.moved = Some(now);
+        }
         if self.is_new(1, time) {
             if aiding.ground_speed_m_s.is_some() {
                 self.gps.count(now);

@@ -36,6 +36,18 @@ pub fn with(text: &str, changes: &[Change]) -> String {
     out
 }
 
+/// `text` without the sections of endpoints for which `there` does not hold.
+pub fn fitting(text: &str, there: impl Fn(&str) -> bool) -> String {
+    let mut out = String::new();
+    for section in text.split_inclusive("\n\n") {
+        let address = section.lines().find_map(|l| l.strip_prefix("address = "));
+        if address.is_none_or(|a| there(a.trim().trim_matches('"'))) {
+            out.push_str(section);
+        }
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

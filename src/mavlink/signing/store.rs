@@ -6,9 +6,9 @@
 //! clock where that is later.
 
 use super::MINUTE;
-use rustix::fs::{Mode, OFlags};
+use crate::save::{FileSystem, replace};
 use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -90,25 +90,11 @@ impl Store {
     }
 
     fn write(&mut self, reserved: u64) -> Result<(), StoreError> {
-        replace(&self.path, &format!("{reserved}\n"))
+        replace(&mut FileSystem, &self.path, format!("{reserved}\n").as_bytes())
             .map_err(|source| StoreError::Write { path: self.path.clone(), source })?;
         self.reserved = reserved;
         Ok(())
     }
-}
-
-/// Gives the file `path` the content `text`, all of it or none, whenever the power fails.
-fn replace(path: &Path, text: &str) -> io::Result<()> {
-    let mut name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_owned();
-    name.push(".new");
-    let new = path.with_file_name(name);
-    let flags = OFlags::WRONLY | OFlags::CREATE | OFlags::TRUNC | OFlags::CLOEXEC | OFlags::NOFOLLOW;
-    let mut file = File::from(rustix::fs::open(&new, flags, Mode::RUSR | Mode::WUSR)?);
-    file.write_all(text.as_bytes())?;
-    file.sync_all()?;
-    std::fs::rename(&new, path)?;
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    File::open(folder)?.sync_all()
 }
 
 #[cfg(test)]

@@ -6,6 +6,11 @@ use std::io::{self, ErrorKind, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
+/// The folder for what the daemon keeps: that of systemd's `StateDirectory=`, where it runs under systemd.
+pub fn state_folder() -> Option<PathBuf> {
+    std::env::var_os("STATE_DIRECTORY").filter(|f| !f.is_empty()).map(PathBuf::from)
+}
+
 /// The steps that saving is made of. A power cut may come between any two.
 pub trait Disk {
     /// The whole file; `None` where there is none.
