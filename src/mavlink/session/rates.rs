@@ -87,10 +87,12 @@ impl Pace {
             Rate::EachFrame => Duration::ZERO,
             Rate::Every(period) => period,
         };
-        if now < self.next {
+        // Further away than a period: it was longer before, or the clock was set back.
+        let astray = self.next.since(now) > period.as_secs_f64();
+        if now < self.next && !astray {
             return false;
         }
-        self.next = after(self.next, period, now);
+        self.next = if astray { now + period } else { after(self.next, period, now) };
         true
     }
 }
@@ -245,6 +247,16 @@ mod tests {
         assert_eq!([-1.0, 2e6, 1e5].map(|us| r.set(0, us)), [Err(IntervalError::Heartbeat); 3]);
         assert_eq!([0.0, 1e6].map(|us| r.set(0, us)), [Ok(()); 2]);
         assert_eq!(r.interval_us(0), 1_000_000);
+    }
+
+    #[test]
+    fn a_shorter_interval_holds_at_once() {
+        let mut r = rates(&Streams::default());
+        r.set(251, 1e9).unwrap();
+        assert!(r.values.due(Time::from_secs_f64(1.0)) && !r.values.due(Time::from_secs_f64(2.0)));
+        r.set(251, 1e5).unwrap();
+        assert!(r.values.due(Time::from_secs_f64(2.1)) && !r.values.due(Time::from_secs_f64(2.15)));
+        assert!(r.values.due(Time::from_secs_f64(2.2)));
     }
 
     #[test]
