@@ -9,7 +9,8 @@ use irhorizon::config::settings::{EndpointAddress, EndpointSettings, SimulationS
 use irhorizon::daemon::sampling::Sampling;
 use irhorizon::frame::{Frame, Missing};
 use irhorizon::horizon::Horizon;
-use irhorizon::mavlink::publisher::{Switchboard, run};
+use irhorizon::mavlink::publisher::run;
+use irhorizon::mavlink::switchboard::Switchboard;
 use irhorizon::recording::Taps;
 use irhorizon::simulation::SimulatedSource;
 use irhorizon::sky::FieldOfView;
@@ -60,7 +61,7 @@ fn main() {
         ends: Arc::clone(&ends),
     };
     let shared = Arc::new(Shared::default());
-    let mavlink = Arc::new(Switchboard::new(settings.mavlink.clone(), Arc::new(head.clone())));
+    let mavlink = Arc::new(Switchboard::sending(settings.clone()));
     let stop = Arc::new(AtomicBool::new(false));
     let horizon = Horizon::new(&settings, head.clone());
     let sampling = Sampling::new(head, Box::new(source), horizon, Arc::clone(&shared), Arc::new(Taps::default()), None);

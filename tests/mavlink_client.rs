@@ -7,8 +7,8 @@ use irhorizon::config::Settings;
 use irhorizon::config::settings::{EndpointAddress, EndpointSettings, MavlinkSettings};
 use irhorizon::fault::{ActiveFault, Evidence, FaultKind};
 use irhorizon::frame::Missing;
-use irhorizon::head::Head;
-use irhorizon::mavlink::publisher::{Switchboard, run};
+use irhorizon::mavlink::publisher::run;
+use irhorizon::mavlink::switchboard::Switchboard;
 use irhorizon::state::Shared;
 use irhorizon::time::Time;
 use serde_json::{Value, json};
@@ -16,7 +16,6 @@ use std::io::{BufRead, BufReader};
 use std::net::UdpSocket;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -49,7 +48,7 @@ fn hear(endpoint: EndpointSettings, args: &[&str], estimate: impl Fn(u64, &mut E
     }
     let shared = Shared::default();
     let mavlink = MavlinkSettings { system_id: Some(3), endpoints: vec![endpoint], ..Settings::default().mavlink };
-    let switchboard = Switchboard::new(mavlink, Arc::new(Head::six()));
+    let switchboard = Switchboard::sending(Settings { mavlink, ..Settings::default() });
     let done = AtomicBool::new(false);
     let output = std::thread::scope(|scope| {
         scope.spawn(|| run(&shared, &switchboard));

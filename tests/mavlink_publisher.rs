@@ -4,8 +4,8 @@ use irhorizon::attitude::{Attitude, Mode};
 use irhorizon::clock;
 use irhorizon::config::Settings;
 use irhorizon::config::settings::{EndpointAddress, EndpointSettings, MavlinkSettings};
-use irhorizon::head::Head;
-use irhorizon::mavlink::publisher::{Switchboard, run};
+use irhorizon::mavlink::publisher::run;
+use irhorizon::mavlink::switchboard::Switchboard;
 use irhorizon::state::Shared;
 use std::net::UdpSocket;
 use std::process::{Child, Command};
@@ -22,7 +22,7 @@ struct Rig {
 impl Rig {
     fn new(endpoints: Vec<EndpointAddress>) -> Self {
         let shared = Arc::new(Shared::default());
-        let switchboard = Arc::new(Switchboard::new(settings(endpoints, 191), Arc::new(Head::six())));
+        let switchboard = Arc::new(Switchboard::sending(settings(endpoints, 191)));
         let thread = {
             let (shared, switchboard) = (Arc::clone(&shared), Arc::clone(&switchboard));
             std::thread::spawn(move || run(&shared, &switchboard))
@@ -51,9 +51,10 @@ impl Rig {
     }
 }
 
-fn settings(endpoints: Vec<EndpointAddress>, component_id: u8) -> MavlinkSettings {
+fn settings(endpoints: Vec<EndpointAddress>, component_id: u8) -> Settings {
     let endpoints = endpoints.into_iter().map(EndpointSettings::from).collect();
-    MavlinkSettings { system_id: Some(1), component_id, endpoints, ..Settings::default().mavlink }
+    let mavlink = MavlinkSettings { system_id: Some(1), component_id, endpoints, ..Settings::default().mavlink };
+    Settings { mavlink, ..Settings::default() }
 }
 
 fn receiver() -> (UdpSocket, EndpointAddress) {
@@ -110,7 +111,7 @@ fn a_reload_keeps_what_stays_and_changes_the_rest() {
     let before = receive(&first).0;
     let source = |rig: &Rig| rig.switchboard.endpoints().into_iter().map(|e| e.sent).collect::<Vec<_>>();
     assert_eq!(source(&rig).len(), 1);
-    rig.switchboard.configure(settings(vec![second_address, first_address], 42), Arc::new(Head::six()));
+    rig.switchboard.configure(settings(vec![second_address, first_address], 42));
     rig.shared.update(|s| s.generation += 1);
     assert_eq!(receive_only(&second, HEARTBEAT).1, 42);
     let mut sequence = before;

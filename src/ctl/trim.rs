@@ -3,8 +3,8 @@
 use super::cli::TrimArgs;
 use super::error::CtlError;
 use super::run::print;
-use crate::save::{FileSystem, replace};
 use super::view::Trim;
+use crate::save::{FileSystem, replace};
 use std::fmt::Write as _;
 use std::io::Write;
 

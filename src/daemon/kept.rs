@@ -45,7 +45,10 @@ impl Kept {
         }
         match config::load_with(&self.configuration, &self.path, text) {
             Ok(loaded) => {
-                log::info!("settings kept from MAVLink parameters hold: {} (remove it to be rid of them)", self.path.display());
+                log::info!(
+                    "settings kept from MAVLink parameters hold: {} (remove it to be rid of them)",
+                    self.path.display()
+                );
                 Ok(loaded)
             }
             Err(e) => {

@@ -5,8 +5,8 @@ use super::kept::Kept;
 use super::sampling::{Retune, Sampling};
 use super::source;
 use crate::aiding::Inbox;
-use crate::config::{Loaded, Settings};
 use crate::config::changes;
+use crate::config::{Loaded, Settings};
 use crate::dbus::{self, DbusError, Service};
 use crate::gpio::lamp::Lamp;
 use crate::gpio::output::OutputLine;
@@ -16,9 +16,9 @@ use crate::mavlink::switchboard::Switchboard;
 use crate::recording::Taps;
 use crate::state::Shared;
 use std::fmt;
-use std::sync::{Arc, PoisonError};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
+use std::sync::{Arc, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -213,9 +213,9 @@ fn sample(settings: &Settings, shared: &Arc<Shared>, taps: &Arc<Taps>, inbox: &A
     });
     let stop = Arc::new(AtomicBool::new(false));
     let retune = Retune::default();
-    let sampling =
-        Sampling::new(head, source, horizon, Arc::clone(shared), Arc::clone(taps), lamp).with_inbox(Arc::clone(inbox))
-            .with_retune(Arc::clone(&retune));
+    let sampling = Sampling::new(head, source, horizon, Arc::clone(shared), Arc::clone(taps), lamp)
+        .with_inbox(Arc::clone(inbox))
+        .with_retune(Arc::clone(&retune));
     let (rate_hz, flag) = (settings.rate_hz, Arc::clone(&stop));
     let thread = spawn("sampling", move || sampling.run(rate_hz, &flag))?;
     Ok(Loop { stop, retune, thread })

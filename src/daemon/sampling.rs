@@ -17,8 +17,8 @@ use crate::recording::{Taps, Writer};
 use crate::source::{FrameSource, SensorHealth};
 use crate::state::Shared;
 use crate::time::Time;
-use std::sync::{Arc, Mutex};
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
 
 /// Settings for the loop to take up as it goes.
 pub type Retune = Arc<Mutex<Option<Box<Settings>>>>;

@@ -3,8 +3,8 @@
 use super::error::CalibrateError;
 use crate::config::{self, Loaded};
 use crate::ctl::error::CtlError;
-use crate::save::{FileSystem, Undone, replace_and_keep, undo};
 use crate::ctl::setup_args::Quantity;
+use crate::save::{FileSystem, Undone, replace_and_keep, undo};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};

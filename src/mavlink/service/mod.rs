@@ -142,11 +142,10 @@ impl Service {
 
 /// What taking up new settings means for the attitude, in a few words.
 fn effect(old: &Settings, new: &Settings) -> &'static str {
-    use config::Change::{DbusBus, DbusUpdate, Mavlink};
     let changes = config::changes(old, new);
     if changes.iter().any(|c| c.needs_restart()) {
         "set; needs a restart"
-    } else if changes.iter().any(|c| !matches!(c, Mavlink | DbusBus | DbusUpdate)) {
+    } else if changes.iter().any(|c| c.begins_anew()) {
         "set; attitude begins anew"
     } else {
         "set"
