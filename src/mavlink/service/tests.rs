@@ -245,7 +245,7 @@ fn a_good_value_is_ordered_and_a_bad_one_answered_with_the_old() {
     let change = Change { section: Section::Table("head"), key: "roll-trim-deg", value: "-2.5".into() };
     assert_eq!(good.orders, [Order::Set(vec![change.clone()])]);
     assert_eq!(values(&good), [(0, -2.5)]);
-    assert_eq!(text(&good), "irhorizon: IRH_ROLL_TRIM set; attitude begins anew");
+    assert_eq!(text(&good), "irhorizon: IRH_ROLL_TRIM set");
     bench.settings = apply(&bench.settings, &[change]).unwrap();
     // Sent once more: nothing to do.
     let again = bench.set(0.0, "IRH_ROLL_TRIM", -2.5);
