@@ -2,7 +2,7 @@
 //!
 //! - [`cli`], [`logging`]: how it is started, where it speaks;
 //! - [`running`]: the parts at work, and how a new configuration gets into them;
-//! - [`sampling`], [`ticker`], [`fault_log`]: the sampling loop;
+//! - [`sampling`], [`ticker`], [`fault_log`], [`watchdog`]: the sampling loop;
 //! - [`source`]: which source of frames a configuration asks for;
 //! - [`control`]: what D-Bus may ask of the daemon.
 //!
@@ -16,6 +16,7 @@ pub mod running;
 pub mod sampling;
 pub mod source;
 pub mod ticker;
+pub mod watchdog;
 
 use crate::config;
 use clap::Parser;
