@@ -34,7 +34,8 @@ private_apt() {
     apt-get -o APT::Architecture="$arch" -o APT::Architectures="$arch" -o Dir::State="$dir" \
         -o Dir::State::status="$dir/status" -o Dir::Cache="$dir/cache" -o Dir::Etc::sourcelist="$dir/sources.list" \
         -o Dir::Etc::sourceparts="$dir/parts" -o Dir::Etc::preferencesparts="$dir/parts" \
-        -o APT::Sandbox::User=root "$@"
+        -o APT::Sandbox::User=root -o Acquire::Languages=none -o Acquire::IndexTargets::deb::DEP-11::DefaultEnabled=false \
+        "$@"
 }
 
 private_apt_update() {
@@ -47,7 +48,7 @@ private_apt_update() {
         [ "$suite" = "${suite%-security}" ] || place=debian-security
         echo "deb [signed-by=$keyring] ${IRHORIZON_DEBIAN_MIRROR:-http://deb.debian.org}/$place $suite main"
     done >"$dir/sources.list"
-    quietly private_apt "$arch" update || die "cannot read the package lists of $(suites "$arch")"
+    quietly private_apt "$arch" update || say "not all package lists of $(suites "$arch") could be read, going on"
 }
 
 # The folder of the standard library for ARCH, of the version that rustc-web has here.

@@ -23,16 +23,16 @@ activation() {
 	nobody irhorizonctl status || status=$?
 	[ "$status" = 3 ]
 	[ "$(systemctl is-active irhorizond)" = inactive ]
-	within 5 "started by the first who asked" attitude 20
+	soon 5 "started by the first who asked" attitude 20
 	active
 }
 
 endpoint() { horizon Endpoints; }
 sent() { endpoint | awk '{ print $4 }'; }
-denied() { endpoint | grep -qi 'not permitted'; }
+denied() { endpoint | grep -q 'the system forbids it'; }
 
 mavlink_stays_here() {
-	within 5 "the endpoint is refused" denied
+	soon 5 "the endpoint is refused" denied
 	endpoint
 	[ "$(sent)" = 0 ]
 }
@@ -40,15 +40,27 @@ mavlink_stays_here() {
 mavlink_to_another_machine() {
 	local drop_ins=/etc/systemd/system/irhorizond.service.d begin count
 	mkdir -p "$drop_ins"
-	cp /usr/share/doc/irhorizon/examples/*.conf "$drop_ins"/
+	cp /usr/share/doc/irhorizon/examples/{network,serial}.conf "$drop_ins"/
 	systemctl daemon-reload
 	systemd-analyze verify irhorizond.service
 	systemctl restart irhorizond
-	within 5 "attitude" attitude 20
-	chrt -p "$(main_pid)"
+	soon 5 "attitude" attitude 20
 	begin=$EPOCHREALTIME count=$(sent)
 	sleep 4
 	echo "$(($(sent) - count)) messages in $(since "$begin") s"
 	[ "$(sent)" -gt $((count + 50)) ]
 	endpoint
+}
+
+real_time() {
+	local drop_ins=/etc/systemd/system/irhorizond.service.d
+	cp /usr/share/doc/irhorizon/examples/real-time.conf "$drop_ins"/
+	systemctl daemon-reload
+	systemctl restart irhorizond
+	chrt -a -p "$(main_pid)"
+	chrt -p "$(main_pid)" | grep -q SCHED_RR
+	soon 3 "attitude" attitude 20
+	rm "$drop_ins/real-time.conf"
+	systemctl daemon-reload
+	systemctl restart irhorizond
 }

@@ -12,7 +12,7 @@ upgrade_keeps_the_configuration() {
 	# What ran runs again, as the new one.
 	active
 	[ "$(main_pid)" != "$before" ]
-	within 3 "attitude" attitude 20
+	soon 3 "attitude" attitude 20
 	rm -f /etc/irhorizon/*.dpkg-*
 }
 

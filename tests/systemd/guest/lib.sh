@@ -7,6 +7,7 @@ passed=0 failed=0
 # check NAME: runs the function of that name; what it prints is what was seen.
 check() {
 	local name=$1 begin=$EPOCHREALTIME log=$STATE/log status
+	PACE=$(pace)
 	# Not with || behind it: that would switch -e off inside.
 	(set -euo pipefail; "$name") >"$log" 2>&1
 	status=$?
@@ -26,6 +27,22 @@ check() {
 since() {
 	local us=$((${EPOCHREALTIME/[.,]/} - ${1/[.,]/}))
 	printf '%d.%02d' $((us / 1000000)) $((us % 1000000 / 10000))
+}
+
+# How many times slower than a real machine the guest is, by a call over D-Bus that takes one 0.1 s:
+# emulation on a busy host is. Limits below are the real ones times this.
+pace() {
+	local begin=$EPOCHREALTIME _
+	for _ in 1 2 3 4 5; do
+		nobody busctl --timeout=30 call org.freedesktop.DBus /org/freedesktop/DBus org.freedesktop.DBus GetId >/dev/null
+	done
+	awk -v took="$(since "$begin")" 'BEGIN { pace = took / 0.5; printf "%.1f\n", pace < 1 ? 1 : pace }'
+}
+
+# soon SECONDS WHAT COMMAND…: as within, at the guest's pace.
+soon() {
+	echo "limit $1 s, at this guest's pace: times $PACE"
+	within "$(awk -v s="$1" -v pace="$PACE" 'BEGIN { print int(s * pace + 0.99) }')" "${@:2}"
 }
 
 # within SECONDS WHAT COMMAND…: waits until the command succeeds, says how long that took.

@@ -20,7 +20,7 @@ bus_appears() {
 	echo "written after $(since "$begin") s"
 	stat -c '%A %U %G %n' /dev/i2c-0
 	[ "$(stat -c '%a %G' /dev/i2c-0)" = '660 i2c' ]
-	within 10 "attitude, roll 20°" attitude 20
+	soon 10 "attitude, roll 20°" attitude 20
 	show
 	[ "$(restarts)" = 0 ]
 	# The tag that units of one's own can wait for.
@@ -29,6 +29,7 @@ bus_appears() {
 
 status_as_nobody() {
 	nobody irhorizonctl status
+	echo "exit code $?"
 	nobody irhorizonctl sensors
 }
 
@@ -39,25 +40,27 @@ enable_now() {
 	systemctl enable --now irhorizond 2>&1
 	active
 	echo "enable --now returned after $(since "$begin") s"
-	within 3 "attitude" attitude 20
+	soon 3 "attitude" attitude 20
 }
 
 killed() {
 	local before
 	before=$(main_pid)
 	kill -9 "$before"
-	within 2 "attitude of a new process" newer_attitude "$before"
+	soon 2 "attitude of a new process" newer_attitude "$before"
 	show
 }
 newer_attitude() { [ "$(main_pid)" != "$1" ] && attitude 20; }
 
+bitten() { [ "$(main_pid)" != "$1" ]; }
 stopped() {
 	local before cursor
 	before=$(main_pid)
 	cursor=$(mark)
 	kill -STOP "$before"
-	# WatchdogSec=5, and the 2 s of any restart.
-	within 8 "attitude of a new process" newer_attitude "$before"
+	# WatchdogSec=5 is of the clock, whatever the pace.
+	within 10 "the watchdog bites" bitten "$before"
+	soon 2 "attitude of a new process" newer_attitude "$before"
 	journalctl --after-cursor="$cursor" -o cat --no-pager | grep -i watchdog
 }
 
@@ -65,7 +68,7 @@ dbus_restarted() {
 	local before
 	before=$(main_pid)
 	systemctl restart dbus
-	within 2 "properties" attitude 20
+	soon 2 "properties" attitude 20
 	[ "$(main_pid)" = "$before" ]
 }
 
@@ -109,6 +112,6 @@ broken_configuration() {
 	[ "$(restarts)" = 0 ]
 	cp /tmp/sound.toml "$config"
 	systemctl restart irhorizond
-	within 3 "attitude" attitude 20
+	soon 3 "attitude" attitude 20
 }
 refusal() { journal_since "$1" | grep -q 'the old one stays in force'; }

@@ -16,9 +16,8 @@ stub_bus() {
 	return 1
 }
 
-# What they see of ground at 16 °C and a sky 38.9 K colder at the zenith, by the sine of elevation, at
-# a roll of 20°, in hundredths of a degree.
-declare -A ROLLED=([nose]=-345 [tail]=-345 [left]=-1010 [right]=320 [up]=-2173 [down]=1483)
+# What they see at a roll of 20° on a clear and dry day, in hundredths of a degree.
+declare -A ROLLED=([nose]=200 [tail]=200 [left]=-560 [right]=826 [up]=-2340 [down]=1485)
 
 # sensors_appear: the adapter with its chips, then what they see.
 sensors_appear() {
