@@ -44,7 +44,9 @@ fn it_is_fed_by_measurements_and_by_faults_and_not_by_a_daemon_that_stands_still
             .iter()
             .zip(0x50..)
             .map(|(name, address)| {
-                format!("[[sensor]]\nname = \"{name}\"\nkind = \"mlx90614\"\nbus = \"/dev/i2c-250\"\naddress = {address}\n")
+                format!(
+                    "[[sensor]]\nname = \"{name}\"\nkind = \"mlx90614\"\nbus = \"/dev/i2c-250\"\naddress = {address}\n"
+                )
             })
             .collect::<String>(),
     ] {
@@ -80,5 +82,9 @@ fn the_unit_lets_the_daemon_do_little() {
         .expect("systemd-analyze runs: apt-get install systemd");
     let said = String::from_utf8_lossy(&output.stdout);
     println!("{}", said.lines().last().unwrap_or_default());
-    assert!(output.status.success(), "an exposure of more than 1.5:\n{said}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "an exposure of more than 1.5:\n{said}{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
 }

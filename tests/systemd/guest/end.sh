@@ -1,11 +1,13 @@
 # shellcheck shell=bash
-# Upgrade, remove, purge.
+# Upgrade, remove, purge, by dpkg: apt takes long to decide on what is decided.
+
+by_dpkg() { DEBIAN_FRONTEND=noninteractive dpkg "$@" </dev/null >"$STATE/dpkg" 2>&1 || { cat "$STATE/dpkg"; return 1; }; }
 
 upgrade_keeps_the_configuration() {
 	local before sum
 	before=$(main_pid)
 	sum=$(md5sum </etc/irhorizon/irhorizon.toml)
-	apt_install -o Dpkg::Options::=--force-confdef /host/second.deb
+	by_dpkg --force-confdef -i /host/second.deb
 	dpkg -s irhorizon | grep '^Version'
 	[ "$(md5sum </etc/irhorizon/irhorizon.toml)" = "$sum" ]
 	ls /etc/irhorizon
@@ -20,7 +22,7 @@ remove_leaves_it() {
 	# As `irhorizonctl trim --save` does.
 	mkdir -p /etc/irhorizon/irhorizon.toml.d
 	echo '[head]' >/etc/irhorizon/irhorizon.toml.d/trim.toml
-	apt-get remove -y irhorizon </dev/null >"$STATE/apt" 2>&1 || { cat "$STATE/apt"; return 1; }
+	by_dpkg -r irhorizon
 	! active
 	[ ! -e /usr/bin/irhorizond ]
 	ls /etc/irhorizon/irhorizon.toml /etc/irhorizon/irhorizon.toml.d/trim.toml
@@ -31,7 +33,7 @@ remove_leaves_it() {
 purge_leaves_nothing() {
 	# The administrator's own: drop-ins of the unit.
 	rm -r /etc/systemd/system/irhorizond.service.d
-	apt-get purge -y irhorizon </dev/null >"$STATE/apt" 2>&1 || { cat "$STATE/apt"; return 1; }
+	by_dpkg -P irhorizon
 	local left
 	left=$(find / -xdev \( -iname '*irhorizon*' -o -user irhorizon -o -group irhorizon \) \
 		-not -path '*irhorizon-checks*' -not -path '/var/log/journal/*')
