@@ -37,10 +37,11 @@ initrd() {
 	local rig=$1 kernel release hash out tree n=10 file
 	kernel=$(dirname "$rig")
 	release=$(<"$rig/release")
-	hash=$(cat "$SYSTEMD_SRC"/guest/* "$SYSTEMD_SRC/modules.list" "$SYSTEMD_SRC/lib/image.sh" | sha256sum | cut -c1-16)
+	hash=$(cat "$SYSTEMD_SRC"/guest/{init,irhorizon-checks.service} "$SYSTEMD_SRC/modules.list" "$SYSTEMD_SRC/lib/image.sh" | sha256sum | cut -c1-16)
 	out=$SYSTEMD_CACHE/initrd-$release-$hash
 	if [ ! -e "$out" ]; then
 		mkdir -p "$SYSTEMD_CACHE"
+		find "$SYSTEMD_CACHE" -name "initrd-*" -mtime +7 -delete
 		tree=$(mktemp -d)
 		mkdir -p "$tree"/{bin,modules,dev,root} "$tree/tree/$release/kernel"
 		cp "$(command -v busybox)" "$tree/bin/busybox"
