@@ -1,5 +1,5 @@
 # The two commands: `make demo` shows the daemon at work without hardware, `make test` runs everything.
-.PHONY: demo test lint bench
+.PHONY: demo test lint bench deb
 
 demo:
 	@cargo build --release --quiet
@@ -16,3 +16,6 @@ lint:
 
 bench:
 	@benches/run
+
+deb:
+	@packaging/build

@@ -2,7 +2,7 @@
 //!
 //! - [`cli`], [`logging`]: how it is started, where it speaks;
 //! - [`running`]: the parts at work, and how a new configuration gets into them;
-//! - [`sampling`], [`ticker`], [`alignment`], [`fault_log`]: the sampling loop;
+//! - [`sampling`], [`ticker`], [`alignment`], [`fault_log`], [`watchdog`]: the sampling loop;
 //! - [`source`]: which source of frames a configuration asks for;
 //! - [`kept`]: settings changed in operation;
 //! - [`control`]: what D-Bus may ask of the daemon.
@@ -19,6 +19,7 @@ pub mod running;
 pub mod sampling;
 pub mod source;
 pub mod ticker;
+pub mod watchdog;
 
 use clap::Parser;
 use cli::Cli;

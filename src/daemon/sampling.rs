@@ -4,6 +4,7 @@
 use super::alignment::Alignment;
 use super::fault_log::{FaultLog, Line};
 use super::ticker::Ticker;
+use super::watchdog::Watchdog;
 use crate::aiding::Inbox;
 use crate::attitude::Estimate;
 use crate::clock;
@@ -90,9 +91,13 @@ impl Sampling {
     /// Runs `rate_hz` times a second until `stop` is set.
     pub fn run(mut self, rate_hz: f64, stop: &AtomicBool) {
         let mut ticker = Ticker::new(clock::now(), rate_hz);
+        let mut watchdog = Watchdog::from_environment();
         let mut told = 0;
         while let Some(tick) = ticker.wait(stop) {
             self.step(tick);
+            if let Some(watchdog) = &mut watchdog {
+                watchdog.scanned(&self.frame, &self.estimate);
+            }
             if ticker.overruns >= told * 10 + 50 {
                 told = ticker.overruns;
                 log::warn!(
