@@ -15,10 +15,17 @@ const ACCEPTED: u64 = 0;
 const UNSUPPORTED: u64 = 3;
 const FAILED: u64 = 4;
 
-/// The angles of roll at the endpoint beside, °, for so many attitudes.
+/// Time since boot, ms, and roll, °, of so many attitudes at the endpoint beside.
+fn flight(asked: &Asked, count: usize) -> Vec<(u32, f64)> {
+    let row = |p: Vec<u8>| {
+        let roll = f32::from_le_bytes(p[4..8].try_into().unwrap());
+        (u32::from_le_bytes(p[..4].try_into().unwrap()), f64::from(roll).to_degrees())
+    };
+    (0..count).map(|_| row(asked.beside.wait(ATTITUDE))).collect()
+}
+
 fn rolls(asked: &Asked, count: usize) -> Vec<f64> {
-    let angle = |payload: Vec<u8>| f64::from(f32::from_le_bytes(payload[4..8].try_into().unwrap())).to_degrees();
-    (0..count).map(|_| angle(asked.beside.wait(ATTITUDE))).collect()
+    flight(asked, count).into_iter().map(|(_, roll)| roll).collect()
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -72,6 +79,24 @@ fn a_flight_that_moves_is_no_level_ground() {
 }
 
 #[test]
+fn a_trim_is_taken_off_at_once() {
+    let (asked, plain) = (Asked::new("none", "", |_| {}), Asked::new("none", "", |_| {}));
+    // The same flight twice, each from its first attitude on: a busy machine makes that a few degrees.
+    let begun = flight(&asked, 1)[0].0;
+    let as_flown = std::thread::spawn(move || flight(&plain, 500));
+    let set = asked.answer(&["param-set", "IRH_ROLL_TRIM", "12"]);
+    assert_eq!(set["param_value"], 12.0, "{set}");
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    asked.beside.forget();
+    let trimmed = flight(&asked, 50);
+    let as_flown = as_flown.join().unwrap();
+    let untrimmed = |since: u32| as_flown.iter().min_by_key(|(t, _)| (t - as_flown[0].0).abs_diff(since)).unwrap().1;
+    let off: Vec<f64> = trimmed.iter().map(|(time, roll)| untrimmed(time - begun) - roll).collect();
+    println!("{:.2}° taken off", mean(&off));
+    assert!((mean(&off) - 12.0).abs() < 5.0, "{off:?}");
+}
+
+#[test]
 fn parameters_are_listed_set_and_kept() {
     let mut asked = Asked::new("none", "", |_| {});
     // From the start, as the simulated flight begins at the start.
@@ -99,9 +124,7 @@ fn parameters_are_listed_set_and_kept() {
     }
 
     asked.restart("", true, Signal::TERM);
-    asked.beside.0.set_nonblocking(true).unwrap();
-    while asked.beside.next().is_some() {}
-    asked.beside.0.set_nonblocking(false).unwrap();
+    asked.beside.forget();
     let trimmed = mean(&rolls(&asked, 50));
     println!("roll {level:.2}°, then {trimmed:.2}°");
     assert!((level - trimmed - 12.0).abs() < 3.0, "{level} {trimmed}");

@@ -58,7 +58,7 @@ fn only_what_is_signed_is_heeded() {
     assert_eq!(asked.answer(&["unsupported"]), Value::Null);
     asked.daemon.says("is refused: it is not signed");
     let other = asked.folder.write("other", [9; 32]).display().to_string();
-    assert_eq!(asked.report(&["--key", &other, "unsupported"])["answer"], Value::Null);
+    assert_eq!(asked.report(&["--key", &other, "--wait", "3", "unsupported"])["met"], false);
     assert_eq!(asked.answer(&["--key", &path, "param-read", "IRH_ROLL_TRIM"])["param_value"], 3.0);
 
     let answers = asked.answer(&["--key", &path, "replayed"]);

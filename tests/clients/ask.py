@@ -2,7 +2,7 @@
 """Asks a MAVLink component the standard questions, with pymavlink, and says what it answered.
 
 ask.py --listen 127.0.0.1:14550 --system 42 --component 191 message-interval ATTITUDE 10
-ask.py --connect 127.0.0.1:14550 --component 191 param-set IRH_TRIM_ROLL 1.5
+ask.py --connect 127.0.0.1:14550 --component 191 param-set IRH_ROLL_TRIM 1.5
 
 With --key FILE (32 bytes) it signs what it sends, unless --unsigned, and hears only what is signed by that key.
 Every question is sent again up to five times, half a second apart, as the MAVLink services want it. Prints JSON:
@@ -45,7 +45,7 @@ class Link:
         """A heartbeat: a udpin endpoint sends to whoever was heard."""
         self.mav.heartbeat_send(mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, 0)
 
-    def meet(self, patience_s=30.0):
+    def meet(self, patience_s):
         """Waits for a heartbeat of the component; before it a listening socket does not know whom to ask."""
         end = time.monotonic() + patience_s
         while time.monotonic() < end:
@@ -216,6 +216,7 @@ def main():
     parser.add_argument("--component", type=int, default=191)
     parser.add_argument("--to", type=int, nargs=2, metavar=("SYSTEM", "COMPONENT"), help="ask that one instead")
     parser.add_argument("--station", type=int, default=250, metavar="SYSTEM", help="the system id of who asks")
+    parser.add_argument("--wait", type=float, default=30.0, metavar="S", help="for the component's first heartbeat")
     parser.add_argument("--key", metavar="FILE", help="the signing key")
     parser.add_argument("--unsigned", action="store_true", help="check signatures, make none")
     parser.add_argument("question", choices=QUESTIONS)
@@ -231,7 +232,7 @@ def main():
         with open(args.key, "rb") as file:
             link.sign(file.read(), not args.unsigned)
     print("listening", file=sys.stderr, flush=True)
-    met = link.meet()
+    met = link.meet(args.wait)
     answer = ask(link, *(kind(word) for kind, word in zip(kinds, args.words))) if met else None
     signing = link.mav.signing
     signed = {"good": signing.goodsig_count, "bad": signing.badsig_count}
