@@ -2,8 +2,9 @@
 """Asks a MAVLink component the standard questions, with pymavlink, and says what it answered.
 
 ask.py --listen 127.0.0.1:14550 --system 42 --component 191 message-interval ATTITUDE 10
-ask.py --connect 127.0.0.1:14550 --component 191 param-set IRH_TRIM_ROLL 1.5
+ask.py --connect 127.0.0.1:14550 --component 191 param-set IRH_ROLL_TRIM 1.5
 
+With --key FILE (32 bytes) it signs what it sends, unless --unsigned, and hears only what is signed by that key.
 Every question is sent again up to five times, half a second apart, as the MAVLink services want it. Prints JSON:
 {"asked": ..., "answer": {...} or null}. Exit status 0 when there was an answer, whatever it says, 1 when there was none.
 """
@@ -25,20 +26,26 @@ TRIES, PATIENCE_S = 5, 0.5
 class Link:
     """A ground station that speaks to one component."""
 
-    def __init__(self, url, system, component, station=(250, mavlink.MAV_COMP_ID_MISSIONPLANNER)):
+    def __init__(self, url, system, component, to=None, station=(250, mavlink.MAV_COMP_ID_MISSIONPLANNER)):
         own_system, own_component = station
         self.connection = mavutil.mavlink_connection(
             url, source_system=own_system, source_component=own_component, robust_parsing=True
         )
         self.mav = self.connection.mav
-        self.system, self.component = system, component
+        self.sender = (system, component)
+        # Whom the questions are for: another one than is listened to, if its silence is what is wanted.
+        self.system, self.component = to or self.sender
         self.own = station
+
+    def sign(self, key, outgoing):
+        """pymavlink's own signing; with `outgoing` of what is sent too."""
+        self.connection.setup_signing(key, sign_outgoing=outgoing)
 
     def greet(self):
         """A heartbeat: a udpin endpoint sends to whoever was heard."""
         self.mav.heartbeat_send(mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, 0)
 
-    def meet(self, patience_s=30.0):
+    def meet(self, patience_s):
         """Waits for a heartbeat of the component; before it a listening socket does not know whom to ask."""
         end = time.monotonic() + patience_s
         while time.monotonic() < end:
@@ -55,7 +62,7 @@ class Link:
             if message is None:
                 continue
             sender = (message.get_srcSystem(), message.get_srcComponent())
-            if sender == (self.system, self.component) and wanted(message):
+            if sender == self.sender and wanted(message):
                 return message.to_dict()
         return None
 
@@ -173,6 +180,18 @@ def timesync(link):
     return link.ask(send, "TIMESYNC", lambda m: m.ts1 == ts1 and m.tc1 > 0)
 
 
+def replayed(link):
+    """A command, the same bytes once more, and the command anew: what each was answered."""
+    name = mavlink.MAV_CMD_GET_MESSAGE_INTERVAL
+    command = link.mav.command_long_encode(link.system, link.component, name, 0, number_of("ATTITUDE"), 0, 0, 0, 0, 0, 0)
+    captured = command.pack(link.mav)
+    answers = []
+    for send in (captured, captured, None):
+        link.connection.write(send or command.pack(link.mav))
+        answers.append(link.hear("COMMAND_ACK", link.is_ack(name), 4 * PATIENCE_S))
+    return answers
+
+
 QUESTIONS = {
     "message-interval": (message_interval, [str, float]),
     "get-message-interval": (get_message_interval, [str]),
@@ -183,6 +202,7 @@ QUESTIONS = {
     "calibrate": (calibrate, []),
     "unsupported": (unsupported, []),
     "timesync": (timesync, []),
+    "replayed": (replayed, []),
 }
 
 
@@ -194,6 +214,11 @@ def main():
     where.add_argument("--url", help="any connection that pymavlink knows: tcp:HOST:PORT, a serial port")
     parser.add_argument("--system", type=int, default=1)
     parser.add_argument("--component", type=int, default=191)
+    parser.add_argument("--to", type=int, nargs=2, metavar=("SYSTEM", "COMPONENT"), help="ask that one instead")
+    parser.add_argument("--station", type=int, default=250, metavar="SYSTEM", help="the system id of who asks")
+    parser.add_argument("--wait", type=float, default=30.0, metavar="S", help="for the component's first heartbeat")
+    parser.add_argument("--key", metavar="FILE", help="the signing key")
+    parser.add_argument("--unsigned", action="store_true", help="check signatures, make none")
     parser.add_argument("question", choices=QUESTIONS)
     parser.add_argument("words", nargs="*")
     args = parser.parse_args()
@@ -201,11 +226,18 @@ def main():
     if len(args.words) != len(kinds):
         parser.error(f"{args.question} takes {len(kinds)} words")
     url = args.url or (f"udpin:{args.listen}" if args.listen else f"udpout:{args.connect}")
-    link = Link(url, args.system, args.component)
+    station = (args.station, mavlink.MAV_COMP_ID_MISSIONPLANNER)
+    link = Link(url, args.system, args.component, args.to and tuple(args.to), station)
+    if args.key:
+        with open(args.key, "rb") as file:
+            link.sign(file.read(), not args.unsigned)
     print("listening", file=sys.stderr, flush=True)
-    met = link.meet()
+    met = link.meet(args.wait)
     answer = ask(link, *(kind(word) for kind, word in zip(kinds, args.words))) if met else None
-    print(json.dumps({"asked": [args.question, *args.words], "met": met, "answer": answer}, default=str))
+    signing = link.mav.signing
+    signed = {"good": signing.goodsig_count, "bad": signing.badsig_count}
+    report = {"asked": [args.question, *args.words], "met": met, "answer": answer, "signed": signed}
+    print(json.dumps(report, default=str))
     return 0 if answer else 1
 
 

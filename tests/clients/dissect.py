@@ -9,6 +9,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 from importlib.resources import files
 
 import samples
@@ -17,21 +18,51 @@ RAW_IP = 101  # the link type of a capture that begins with the IP header
 PORT = 14550  # where the dissector looks
 
 
+def questions(system, component=191):
+    """Messages that make the component send each kind that it does not send by itself."""
+    os.environ["MAVLINK20"] = "1"
+    from pymavlink.dialects.v20 import common as mavlink
+
+    def packed(sender, message):
+        return bytes(message.pack(sender))
+
+    station, autopilot = mavlink.MAVLink(None, 250, 190), mavlink.MAVLink(None, system, 1)
+    command = lambda *words: packed(
+        station, station.command_long_encode(system, component, words[0], 0, *[*words[1:], *[0] * 7][:7])
+    )
+    for number in (mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION, mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION_COV):
+        yield command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, number, 200_000)
+    yield command(mavlink.MAV_CMD_GET_MESSAGE_INTERVAL, mavlink.MAVLINK_MSG_ID_ATTITUDE)
+    yield command(mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
+    yield command(mavlink.MAV_CMD_DO_SET_SERVO, 1, 1500)
+    yield packed(station, station.param_request_list_encode(system, component))
+    yield packed(station, station.param_request_read_encode(system, component, b"NO_SUCH", -1))
+    yield packed(station, station.timesync_encode(0, 1))
+    # An autopilot that sends nothing more is asked to.
+    beat = (mavlink.MAV_TYPE_FIXED_WING, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, 0, 0, mavlink.MAV_STATE_ACTIVE)
+    for _ in range(5):
+        yield packed(autopilot, autopilot.heartbeat_encode(*beat))
+
+
 def capture(args):
-    """Datagrams that arrive, with the ids of their messages."""
+    """Datagrams that arrive. Their sender is asked two questions a second, if it is to be."""
     datagrams, heard = [], samples.Samples(args)
+    asks, asked = questions(args.system) if args.ask else iter(()), 0.0
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
         link.bind((args.host, args.port))
         link.settimeout(0.1)
         samples.listening()
         while not heard.done():
             try:
-                datagram = link.recv(4096)
+                datagram, sender = link.recvfrom(4096)
             except TimeoutError:
                 continue
             datagrams.append(datagram)
             # The seconds are counted from the first message, whichever it is.
             heard.add(0, 0, 0)
+            if time.monotonic() - asked > 0.5 and (question := next(asks, None)):
+                asked = time.monotonic()
+                link.sendto(question, sender)
     return datagrams
 
 

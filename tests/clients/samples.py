@@ -13,6 +13,7 @@ def arguments(doc):
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--wait", type=float, default=30.0)
     parser.add_argument("--system", type=int, default=1, help="the daemon's system id")
+    parser.add_argument("--ask", action="store_true", help="make it send what it sends when asked (dissect.py)")
     args = parser.parse_args()
     host, port = args.listen.rsplit(":", 1)
     args.host, args.port = host, int(port)

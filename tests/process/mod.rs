@@ -145,11 +145,16 @@ impl Receiver {
         }
     }
 
-    /// ATTITUDE messages a second, counted for a second; what came before is not counted.
-    pub fn attitude_hz(&self) -> f64 {
+    /// Forgets what has come so far.
+    pub fn forget(&self) {
         self.0.set_nonblocking(true).unwrap();
         while self.next().is_some() {}
         self.0.set_nonblocking(false).unwrap();
+    }
+
+    /// ATTITUDE messages a second, counted for a second; what came before is not counted.
+    pub fn attitude_hz(&self) -> f64 {
+        self.forget();
         self.wait(ATTITUDE);
         let start = Instant::now();
         let mut count = 0;

@@ -81,9 +81,7 @@ fn rate(seconds: f64, mut next: impl FnMut() -> u32) -> f64 {
 
 /// ATTITUDE a second at a receiver; what came before is not counted.
 pub fn hz(receiver: &Receiver, seconds: f64) -> f64 {
-    receiver.0.set_nonblocking(true).unwrap();
-    while receiver.next().is_some() {}
-    receiver.0.set_nonblocking(false).unwrap();
+    receiver.forget();
     rate(seconds, || u32::from(receiver.next().expect("a message within 10 s").0 == ATTITUDE))
 }
 

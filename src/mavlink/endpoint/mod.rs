@@ -120,8 +120,12 @@ impl Endpoint {
     }
 
     /// Sends a message to everybody there, or lets it wait for those who take it slowly. Counts one for each of them;
-    /// where nobody can be there it counts as failed, where nobody is there not at all.
+    /// where nobody can be there it counts as failed, where nobody is there not at all. An empty one is none: what could
+    /// not be signed.
     pub fn send(&mut self, now: Time, message: &[u8]) {
+        if message.is_empty() {
+            return;
+        }
         let Some(transport) = &mut self.transport else {
             self.health.stats.failed();
             return;

@@ -1,0 +1,139 @@
+//! Commands, parameters and time, asked of the daemon on its simulated source by pymavlink. What `tests/setup` installs
+//! is needed.
+
+mod asking;
+mod process;
+mod wire;
+
+use asking::Asked;
+use process::ATTITUDE;
+use rustix::process::Signal;
+use wire::hz;
+
+/// MAV_RESULT.
+const ACCEPTED: u64 = 0;
+const UNSUPPORTED: u64 = 3;
+const FAILED: u64 = 4;
+
+/// Time since boot, ms, and roll, °, of so many attitudes at the endpoint beside.
+fn flight(asked: &Asked, count: usize) -> Vec<(u32, f64)> {
+    let row = |p: Vec<u8>| {
+        let roll = f32::from_le_bytes(p[4..8].try_into().unwrap());
+        (u32::from_le_bytes(p[..4].try_into().unwrap()), f64::from(roll).to_degrees())
+    };
+    (0..count).map(|_| row(asked.beside.wait(ATTITUDE))).collect()
+}
+
+fn rolls(asked: &Asked, count: usize) -> Vec<f64> {
+    flight(asked, count).into_iter().map(|(_, roll)| roll).collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+#[test]
+fn an_interval_is_of_one_endpoint() {
+    let asked = Asked::new("none", "", |_| {});
+    assert_eq!(asked.answer(&["message-interval", "ATTITUDE", "10"])["result"], ACCEPTED);
+    asked.call();
+    let (slow, beside) = (hz(&asked.peer, 4.0), hz(&asked.beside, 2.0));
+    println!("{slow:.2} Hz asked for, {beside:.2} Hz beside it");
+    assert!((9.0..=11.0).contains(&slow), "{slow}");
+    assert!((20.0..=55.0).contains(&beside), "{beside}");
+    assert_eq!(asked.answer(&["get-message-interval", "ATTITUDE"])["interval_us"], 100_000);
+    assert_eq!(asked.answer(&["get-message-interval", "GPS_RAW_INT"])["interval_us"], 0);
+    let version = asked.answer(&["request-message", "AUTOPILOT_VERSION"]);
+    assert_eq!(version["COMMAND_ACK"]["result"], ACCEPTED, "{version}");
+    assert!(version["AUTOPILOT_VERSION"]["capabilities"].as_u64().is_some_and(|c| c & 0x2000 != 0), "{version}");
+    assert_eq!(asked.answer(&["unsupported"])["result"], UNSUPPORTED);
+    let time = asked.answer(&["timesync"]);
+    assert!(time["tc1"].as_u64() > Some(0), "{time}");
+}
+
+#[test]
+fn what_is_for_another_is_not_answered() {
+    let asked = Asked::new("none", "", |_| {});
+    for to in [["--to", "42", "190"], ["--to", "41", "191"]] {
+        for question in [&["unsupported"][..], &["get-message-interval", "ATTITUDE"]] {
+            assert_eq!(asked.answer(&[&to[..], question].concat()), serde_json::Value::Null);
+        }
+    }
+    for station in ["1", "42", "255"] {
+        assert_eq!(asked.answer(&["--station", station, "unsupported"])["result"], UNSUPPORTED);
+    }
+    // To everybody: answered where it is something that is done here.
+    let report = asked.answer(&["--to", "0", "0", "get-message-interval", "ATTITUDE"]);
+    assert!(report["interval_us"].as_i64() > Some(0), "{report}");
+    assert_eq!(asked.answer(&["--to", "0", "0", "unsupported"]), serde_json::Value::Null);
+}
+
+#[test]
+fn a_flight_that_moves_is_no_level_ground() {
+    let asked = Asked::new("none", "", |_| {});
+    let before = asked.kept();
+    let answer = asked.answer(&["calibrate"]);
+    assert_eq!(answer["result"], FAILED, "{answer}");
+    assert_eq!(asked.kept(), before);
+    assert_eq!(asked.parameter("IRH_ROLL_TRIM"), 0.0);
+}
+
+#[test]
+fn a_trim_is_taken_off_at_once() {
+    let (asked, plain) = (Asked::new("none", "", |_| {}), Asked::new("none", "", |_| {}));
+    // The same flight twice, each from its first attitude on: a busy machine makes that a few degrees.
+    let begun = flight(&asked, 1)[0].0;
+    let as_flown = std::thread::spawn(move || flight(&plain, 500));
+    let set = asked.answer(&["param-set", "IRH_ROLL_TRIM", "12"]);
+    assert_eq!(set["param_value"], 12.0, "{set}");
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    asked.beside.forget();
+    let trimmed = flight(&asked, 50);
+    let as_flown = as_flown.join().unwrap();
+    let untrimmed = |since: u32| as_flown.iter().min_by_key(|(t, _)| (t - as_flown[0].0).abs_diff(since)).unwrap().1;
+    let off: Vec<f64> = trimmed.iter().map(|(time, roll)| untrimmed(time - begun) - roll).collect();
+    println!("{:.2}° taken off", mean(&off));
+    assert!((mean(&off) - 12.0).abs() < 5.0, "{off:?}");
+}
+
+#[test]
+fn parameters_are_listed_set_and_kept() {
+    let mut asked = Asked::new("none", "", |_| {});
+    // From the start, as the simulated flight begins at the start.
+    let level = mean(&rolls(&asked, 50));
+    let list = asked.answer(&["param-list"]);
+    let list = list.as_array().unwrap();
+    println!("{} parameters", list.len());
+    assert!(list.len() > 20 && list.iter().enumerate().all(|(i, p)| p["param_index"] == i));
+    assert!(list.iter().all(|p| p["param_count"] == list.len()));
+
+    asked.call();
+    let set = asked.answer(&["param-set", "IRH_ROLL_TRIM", "90"]);
+    assert_eq!(set["param_value"], 0.0, "{set}");
+    assert!(asked.is_told("IRH_ROLL_TRIM needs"), "{}", asked.daemon.said());
+    assert_eq!(asked.kept(), "");
+
+    for (name, value) in [("IRH_ROLL_TRIM", 12.0), ("IRH_E2_VAL_HZ", 4.0)] {
+        let set = asked.answer(&["param-set", name, &value.to_string()]);
+        assert_eq!(set["param_value"], value, "{set}");
+    }
+    // The answer comes before the change is taken up.
+    let begun = std::time::Instant::now();
+    while !(asked.kept().contains("roll-trim-deg = 12\n") && asked.kept().contains("values-hz = 4\n")) {
+        assert!(begun.elapsed().as_secs() < 5, "{}", asked.kept());
+    }
+
+    asked.restart("", true, Signal::TERM);
+    asked.beside.forget();
+    let trimmed = mean(&rolls(&asked, 50));
+    println!("roll {level:.2}°, then {trimmed:.2}°");
+    assert!((level - trimmed - 12.0).abs() < 3.0, "{level} {trimmed}");
+    assert_eq!((asked.parameter("IRH_ROLL_TRIM"), asked.parameter("IRH_E2_VAL_HZ")), (12.0, 4.0));
+
+    // An endpoint that is no longer configured does not come back; what else is kept stays.
+    asked.restart("", false, Signal::TERM);
+    assert_eq!(asked.parameter("IRH_ROLL_TRIM"), 12.0);
+    let list = asked.answer(&["param-list"]);
+    let names: Vec<&str> = list.as_array().unwrap().iter().map(|p| p["param_id"].as_str().unwrap()).collect();
+    assert!(names.contains(&"IRH_E1_VAL_HZ") && !names.contains(&"IRH_E2_VAL_HZ"), "{names:?}");
+}
