@@ -64,6 +64,8 @@ pub struct FarAutopilot {
     pub asked: Vec<u32>,
     pub unanswered: Vec<u32>,
     pub told: Vec<Told>,
+    /// The rates that went out: of when, and when they were to arrive.
+    rates: Vec<(Time, Time)>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -92,6 +94,7 @@ impl FarAutopilot {
             asked: Vec::new(),
             unanswered: Vec::new(),
             told: Vec::new(),
+            rates: Vec::new(),
         }
     }
 
@@ -113,6 +116,13 @@ impl FarAutopilot {
     /// The attitude truly flown.
     pub fn truth(&self, time: Time) -> Attitude {
         self.flight.attitude(time.since(self.origin))
+    }
+
+    /// How fast roll and pitch change, °/s.
+    pub fn rates(&self, time: Time) -> [f64; 2] {
+        let angles = |by_s: f64| self.flight.angles(time.since(self.origin) + by_s);
+        let (before, after) = (angles(-STEP_S), angles(STEP_S));
+        [0, 1].map(|i| (after[i] - before[i]).to_degrees() / (2.0 * STEP_S))
     }
 
     fn clock_ns(time: Time) -> i64 {
@@ -153,7 +163,21 @@ impl FarAutopilot {
             pitchspeed: q,
             yawspeed: r,
         };
-        self.send(at, &attitude);
+        if self.send(at, &attitude) {
+            self.rates.push((at, at + WAY));
+        }
+    }
+
+    /// What one errs by at `now`, °, who knew all until the newest rates that could have arrived, and held these.
+    pub fn unknown(&self, now: Time) -> [f64; 2] {
+        let there = self.rates.partition_point(|(_, arrival)| *arrival <= now);
+        let newest = self.rates[there - 1].0;
+        let angles = |time: Time, by_s: f64| self.flight.angles(time.since(self.origin) + by_s);
+        let (then, before, after) = (angles(newest, 0.0), angles(newest, -STEP_S), angles(newest, STEP_S));
+        [0, 1].map(|i| {
+            let held = then[i] + (after[i] - before[i]) / (2.0 * STEP_S) * now.since(newest);
+            (held - angles(now, 0.0)[i]).to_degrees()
+        })
     }
 
     fn answer(&mut self, at: Time, question: Question) {
@@ -192,8 +216,7 @@ impl FarAutopilot {
             for (at, question) in self.up.drain(..there).collect::<Vec<_>>() {
                 self.answer(at, question);
             }
-            while let (Some(entry), Some(daemon)) =
-                (self.down.first_entry().filter(|e| e.key().0 <= now), self.daemon)
+            while let (Some(entry), Some(daemon)) = (self.down.first_entry().filter(|e| e.key().0 <= now), self.daemon)
             {
                 let frame = entry.remove();
                 if self.talks {
