@@ -42,10 +42,10 @@ const MOST: f64 = 1.3;
 /// the daemon's, and a millisecond the answers to TIMESYNC on a machine that has other things to do.
 const STAMPS_S: f64 = 0.002;
 /// What is published is of the moment of the scan, for which no rates are there yet: the aircraft's last 40 to 120 ms
-/// are a guess. By so much of what holding the newest rates errs by may that be beyond the rest. An error of 1.3 times
-/// that of a recording cannot be had: with exact rates that is of hundredths of a degree, and the gusts accelerate by
-/// 40 °/s² on the average, which makes 0.1° in 70 ms.
-const OF_HELD: f64 = 0.6;
+/// are a guess. By so much of what holding the newest rates errs by may that be beyond the rest. Errors of 1.3 times
+/// those of a recording are missed here, by as much as is printed: with exact rates those are of hundredths of a degree,
+/// and gusts that accelerate by 40 °/s² on the average make 0.1° in 70 ms.
+const OF_HELD: f64 = 0.3;
 
 /// Roll and pitch, °.
 type Degrees = [f64; 2];
@@ -143,7 +143,7 @@ fn an_autopilot_far_away_is_nearly_as_good_as_a_recording() {
     println!("{}", json["autopilot"]);
     assert_eq!(json["autopilot"]["system_id"], 7);
     assert!(shown.used && shown.synced, "{shown:?}");
-    assert!((30.0..50.0).contains(&shown.rates_hz) && (0.035..0.08).contains(&shown.late_s.unwrap()), "{shown:?}");
+    assert!((30.0..50.0).contains(&shown.rates_hz) && (0.035..0.1).contains(&shown.late_s.unwrap()), "{shown:?}");
     let differs = [shown.roll_difference_deg.unwrap() - 5.0, shown.pitch_difference_deg.unwrap() + 5.0];
     assert!(differs.iter().all(|d| d.abs() < 1.0), "{shown:?}");
 
@@ -180,6 +180,9 @@ fn an_autopilot_far_away_is_nearly_as_good_as_a_recording() {
         };
         note("aligned", aligned[i]);
         note("published", published[i]);
+        if published[i] > MOST * exact[i] {
+            println!("axis {i}: as published {:.3}° beyond {MOST} of that recorded", published[i] - MOST * exact[i]);
+        }
         assert!(aligned[i] <= most, "{} of {most}", aligned[i]);
         assert!(published[i] <= most + OF_HELD * unknown[i], "{} of {most} and {}", published[i], unknown[i]);
         assert!(published[i] < 0.5 * bare[i], "{} and {} without", published[i], bare[i]);

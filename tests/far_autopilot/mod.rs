@@ -58,15 +58,18 @@ pub struct FarAutopilot {
     chance: u64,
     sequence: u8,
     /// To the daemon, and from it, by their arrival.
-    down: BTreeMap<(Time, u8), Vec<u8>>,
+    down: BTreeMap<(Time, u8), Frame>,
     up: Vec<(Time, Question)>,
     /// Which messages it was asked to send, and of how many of these its answer was lost.
     pub asked: Vec<u32>,
     pub unanswered: Vec<u32>,
     pub told: Vec<Told>,
-    /// The rates that went out: of when, and when they were to arrive.
+    /// The rates that arrived: of when, and when that was.
     rates: Vec<(Time, Time)>,
 }
+
+/// A message on its way: its bytes, and when it was made.
+type Frame = (Vec<u8>, Time);
 
 #[derive(Clone, Copy, Debug)]
 enum Question {
@@ -141,7 +144,7 @@ impl FarAutopilot {
         self.sequence = self.sequence.wrapping_add(1);
         let lost = self.is_lost();
         if !lost {
-            self.down.insert((at + WAY, self.sequence), raw.raw_bytes().to_vec());
+            self.down.insert((at + WAY, self.sequence), (raw.raw_bytes().to_vec(), at));
         }
         !lost
     }
@@ -163,12 +166,10 @@ impl FarAutopilot {
             pitchspeed: q,
             yawspeed: r,
         };
-        if self.send(at, &attitude) {
-            self.rates.push((at, at + WAY));
-        }
+        self.send(at, &attitude);
     }
 
-    /// What one errs by at `now`, °, who knew all until the newest rates that could have arrived, and held these.
+    /// What one errs by at `now`, °, who knew all until the newest rates that had arrived, and held these.
     pub fn unknown(&self, now: Time) -> [f64; 2] {
         let there = self.rates.partition_point(|(_, arrival)| *arrival <= now);
         let newest = self.rates[there - 1].0;
@@ -218,10 +219,13 @@ impl FarAutopilot {
             }
             while let (Some(entry), Some(daemon)) = (self.down.first_entry().filter(|e| e.key().0 <= now), self.daemon)
             {
-                let frame = entry.remove();
+                let (frame, made) = entry.remove();
                 if self.talks {
                     self.spoke = now;
                     self.socket.send_to(&frame, daemon).unwrap();
+                    if frame[7] == ATTITUDE_DATA::ID as u8 {
+                        self.rates.push((made, now));
+                    }
                 }
             }
         }
