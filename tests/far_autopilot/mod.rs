@@ -1,0 +1,257 @@
+//! An autopilot at the far end of a UDP link that is 40 ms long each way and loses one message in five. It flies what
+//! a daemon's simulated source flies, and has a clock of its own. What is late here is late on the link: the stamps
+//! are right whenever the machine gets round to it.
+
+use irhorizon::attitude::Attitude;
+use irhorizon::clock;
+use irhorizon::mavlink::deframe::{Packet, datagram};
+use irhorizon::mavlink::heard::Heard;
+use irhorizon::simulation::Flight;
+use irhorizon::time::Time;
+use mavlink::dialects::common::{ATTITUDE_DATA, COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavResult};
+use mavlink::dialects::common::{COMMAND_LONG_DATA, TIMESYNC_DATA};
+use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, MessageData};
+use std::collections::BTreeMap;
+use std::net::{SocketAddr, UdpSocket};
+use std::time::Duration;
+
+const WAY: Duration = Duration::from_millis(40);
+const LOST: f64 = 0.2;
+const PERIOD: Duration = Duration::from_millis(20);
+/// Its clock less ours, µs.
+const CLOCK_USEC: i64 = 3_600_123_457;
+/// Over what its rates are differences, s.
+const STEP_S: f64 = 1e-4;
+
+/// An ATTITUDE of the daemon.
+#[derive(Clone, Copy, Debug)]
+pub struct Told {
+    pub system: u8,
+    pub component: u8,
+    /// By its stamp, in the middle of its millisecond.
+    pub time: Time,
+    pub attitude: Attitude,
+    pub yaw: f32,
+}
+
+/// Body rates, °/s, of a flight whose nose does not turn round the vertical.
+pub fn body_rates(flight: &Flight, time_s: f64) -> [f64; 3] {
+    let (before, after) = (flight.angles(time_s - STEP_S), flight.angles(time_s + STEP_S));
+    let [roll_rate, pitch_rate] = [0, 1].map(|i| (after[i] - before[i]).to_degrees() / (2.0 * STEP_S));
+    let (sin, cos) = flight.angles(time_s)[0].sin_cos();
+    [roll_rate, pitch_rate * cos, -pitch_rate * sin]
+}
+
+pub struct FarAutopilot {
+    socket: UdpSocket,
+    daemon: Option<SocketAddr>,
+    flight: Flight,
+    origin: Time,
+    /// What its own attitude is wrong by.
+    pub wrong: Attitude,
+    /// Whether it says anything.
+    pub talks: bool,
+    /// When it last did.
+    pub spoke: Time,
+    next: Time,
+    beats: u32,
+    chance: u64,
+    sequence: u8,
+    /// To the daemon, and from it, by their arrival.
+    down: BTreeMap<(Time, u8), Frame>,
+    up: Vec<(Time, Question)>,
+    /// Which messages it was asked to send, and of how many of these its answer was lost.
+    pub asked: Vec<u32>,
+    pub unanswered: Vec<u32>,
+    pub told: Vec<Told>,
+    /// The rates that arrived: of when, and when that was.
+    rates: Vec<(Time, Time)>,
+}
+
+/// A message on its way: its bytes, and when it was made.
+type Frame = (Vec<u8>, Time);
+
+#[derive(Clone, Copy, Debug)]
+enum Question {
+    Time(i64),
+    Interval(u32),
+}
+
+impl FarAutopilot {
+    /// Listening, with the flight of `seed` yet to begin.
+    pub fn new(seed: u64) -> Self {
+        Self {
+            socket: UdpSocket::bind("127.0.0.1:0").unwrap(),
+            daemon: None,
+            flight: Flight::demo(seed),
+            origin: Time::default(),
+            wrong: Attitude::default(),
+            talks: true,
+            spoke: Time::default(),
+            next: Time::default(),
+            beats: 0,
+            chance: seed,
+            sequence: 0,
+            down: BTreeMap::new(),
+            up: Vec::new(),
+            asked: Vec::new(),
+            unanswered: Vec::new(),
+            told: Vec::new(),
+            rates: Vec::new(),
+        }
+    }
+
+    pub fn port(&self) -> u16 {
+        self.socket.local_addr().unwrap().port()
+    }
+
+    /// The flight began at `origin`.
+    pub fn took_off(&mut self, origin: Time) {
+        self.origin = origin;
+        self.next = clock::now();
+    }
+
+    /// When the flight began.
+    pub fn origin(&self) -> Time {
+        self.origin
+    }
+
+    /// The attitude truly flown.
+    pub fn truth(&self, time: Time) -> Attitude {
+        self.flight.attitude(time.since(self.origin))
+    }
+
+    /// How fast roll and pitch change, °/s.
+    pub fn rates(&self, time: Time) -> [f64; 2] {
+        let angles = |by_s: f64| self.flight.angles(time.since(self.origin) + by_s);
+        let (before, after) = (angles(-STEP_S), angles(STEP_S));
+        [0, 1].map(|i| (after[i] - before[i]).to_degrees() / (2.0 * STEP_S))
+    }
+
+    fn clock_ns(time: Time) -> i64 {
+        time.as_nanos() as i64 + CLOCK_USEC * 1000
+    }
+
+    fn is_lost(&mut self) -> bool {
+        self.chance = self.chance.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.chance >> 33) as f64 / (1_u64 << 31) as f64) < LOST
+    }
+
+    /// `false`: it will not arrive.
+    fn send<M: MessageData>(&mut self, at: Time, message: &M) -> bool {
+        let mut raw = MAVLinkV2MessageRaw::new();
+        raw.serialize_message_data(MavHeader { system_id: 7, component_id: 1, sequence: self.sequence }, message);
+        self.sequence = self.sequence.wrapping_add(1);
+        let lost = self.is_lost();
+        if !lost {
+            self.down.insert((at + WAY, self.sequence), (raw.raw_bytes().to_vec(), at));
+        }
+        !lost
+    }
+
+    fn speak(&mut self, at: Time) {
+        if self.beats.is_multiple_of(50) {
+            let autopilot = MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA;
+            self.send(at, &HEARTBEAT_DATA { autopilot, mavlink_version: 3, ..HEARTBEAT_DATA::DEFAULT });
+        }
+        self.beats += 1;
+        let truth = self.truth(at);
+        let [p, q, r] = body_rates(&self.flight, at.since(self.origin)).map(|v| v.to_radians() as f32);
+        let attitude = ATTITUDE_DATA {
+            time_boot_ms: (Self::clock_ns(at) / 1_000_000) as u32,
+            roll: (truth.roll + self.wrong.roll) as f32,
+            pitch: (truth.pitch + self.wrong.pitch) as f32,
+            yaw: 1.25,
+            rollspeed: p,
+            pitchspeed: q,
+            yawspeed: r,
+        };
+        self.send(at, &attitude);
+    }
+
+    /// What one errs by at `now`, °, who knew all until the newest rates that had arrived, and held these.
+    pub fn unknown(&self, now: Time) -> [f64; 2] {
+        let there = self.rates.partition_point(|(_, arrival)| *arrival <= now);
+        let newest = self.rates[there - 1].0;
+        let angles = |time: Time, by_s: f64| self.flight.angles(time.since(self.origin) + by_s);
+        let (then, before, after) = (angles(newest, 0.0), angles(newest, -STEP_S), angles(newest, STEP_S));
+        [0, 1].map(|i| {
+            let held = then[i] + (after[i] - before[i]) / (2.0 * STEP_S) * now.since(newest);
+            (held - angles(now, 0.0)[i]).to_degrees()
+        })
+    }
+
+    fn answer(&mut self, at: Time, question: Question) {
+        match question {
+            Question::Time(ts1) => {
+                self.send(at, &TIMESYNC_DATA { tc1: Self::clock_ns(at), ts1 });
+            }
+            Question::Interval(id) => {
+                let (command, result) = (MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, MavResult::MAV_RESULT_ACCEPTED);
+                if !self.send(at, &COMMAND_ACK_DATA { command, result }) {
+                    self.unanswered.push(id);
+                }
+            }
+        }
+    }
+
+    /// Takes in what the daemon has said, flies on and talks until `end`.
+    pub fn run(&mut self, end: Time) {
+        let mut buffer = [0; 512];
+        while clock::now() < end {
+            self.socket.set_read_timeout(Some(Duration::from_millis(2))).unwrap();
+            if let Ok((length, from)) = self.socket.recv_from(&mut buffer) {
+                self.daemon = Some(from);
+                let now = clock::now();
+                datagram(&buffer[..length], |packet| self.hear(now, &packet));
+            }
+            let now = clock::now();
+            while self.next <= now {
+                let at = self.next;
+                if self.talks {
+                    self.speak(at);
+                }
+                self.next = at + PERIOD;
+            }
+            let there = self.up.iter().take_while(|(at, _)| *at <= now).count();
+            for (at, question) in self.up.drain(..there).collect::<Vec<_>>() {
+                self.answer(at, question);
+            }
+            while let (Some(entry), Some(daemon)) = (self.down.first_entry().filter(|e| e.key().0 <= now), self.daemon)
+            {
+                let (frame, made) = entry.remove();
+                if self.talks {
+                    self.spoke = now;
+                    self.socket.send_to(&frame, daemon).unwrap();
+                    if frame[7] == ATTITUDE_DATA::ID as u8 {
+                        self.rates.push((made, now));
+                    }
+                }
+            }
+        }
+    }
+
+    fn hear(&mut self, now: Time, packet: &Packet<'_>) {
+        let question = match packet.id {
+            TIMESYNC_DATA::ID => {
+                let m = TIMESYNC_DATA::deser(MavlinkVersion::V2, packet.payload).unwrap();
+                (m.tc1 == 0).then_some(Question::Time(m.ts1))
+            }
+            COMMAND_LONG_DATA::ID => {
+                let m = COMMAND_LONG_DATA::deser(MavlinkVersion::V2, packet.payload).unwrap();
+                assert_eq!((m.target_system, m.target_component), (7, 1), "{m:?}");
+                assert_eq!(m.command, MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, "{m:?}");
+                self.asked.push(m.param1 as u32);
+                Some(Question::Interval(m.param1 as u32))
+            }
+            _ => None,
+        };
+        self.up.extend(question.map(|q| (now + WAY, q)));
+        if let Some(Heard::Attitude(m)) = Heard::new(packet) {
+            let time = Time::from_nanos(u64::from(m.time_boot_ms) * 1_000_000 + 500_000);
+            let attitude = Attitude { roll: f64::from(m.roll), pitch: f64::from(m.pitch) };
+            let (system, component) = (packet.system_id, packet.component_id);
+            self.told.push(Told { system, component, time, attitude, yaw: m.yaw });
+        }
+    }
+}
