@@ -12,7 +12,8 @@ install_on_a_clean_debian() {
 	apt_install /host/first.deb
 	echo "apt-get install: $(since "$begin") s"
 	dpkg -s irhorizon | grep -E '^(Status|Version|Architecture):'
-	[ "$(dpkg --verify irhorizon)" = "" ]
+	# Nothing is missing or changed but what a small image leaves out (path-exclude): pages to read.
+	dpkg --verify irhorizon | grep -v ' /usr/share/\(doc\|man\)/' && return 1
 	getent passwd irhorizon
 	getent group i2c gpio dialout | cut -d: -f1 | paste -sd ' '
 	! grep -iE 'warning|error' "$STATE/apt"
