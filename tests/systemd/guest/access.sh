@@ -28,7 +28,7 @@ activation() {
 }
 
 endpoint() { horizon Endpoints; }
-sent() { endpoint | awk '{ print $4 }'; }
+sent() { endpoint | sed 's/.* "sent" \([0-9]*\) .*/\1/'; }
 denied() { endpoint | grep -q 'the system forbids it'; }
 
 mavlink_stays_here() {
