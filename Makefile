@@ -2,6 +2,7 @@
 .PHONY: demo test lint bench deb
 
 demo:
+	@[ -x target/release/irhorizond ] || echo "building: some minutes the first time"
 	@cargo build --release --quiet
 	@tests/demo
 

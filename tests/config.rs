@@ -1,5 +1,7 @@
 //! What a user reads about a configuration, compared whole: `tests/golden/config/NAME.toml` (with its
-//! drop-ins) loads to what `NAME.txt` says. `GOLDEN=write cargo test --test config` writes them anew.
+//! drop-ins) loads to what `NAME.txt` says. `UPDATE_GOLDEN=1 cargo test --test config` writes them anew.
+
+mod golden_file;
 
 use irhorizon::config::{ConfigErrors, Loaded, load};
 use std::path::{Path, PathBuf};
@@ -30,13 +32,7 @@ fn every_configuration_is_told_as_it_was_before() {
     for case in cases {
         let golden = case.with_extension("txt");
         let now = told(load(&case));
-        if std::env::var_os("GOLDEN").is_some_and(|v| v == "write") {
-            std::fs::write(&golden, &now).unwrap();
-        }
-        let before = std::fs::read_to_string(&golden).unwrap_or_default();
-        if before != now {
-            different.push(format!("{}\nbefore:\n{before}\nnow:\n{now}", golden.display()));
-        }
+        different.extend(golden_file::difference(golden, &now));
     }
     assert!(different.is_empty(), "{}", different.join("\n"));
 }

@@ -1,5 +1,7 @@
 //! The commands against a fake daemon, word for word. `UPDATE_GOLDEN=1` writes the expected texts.
 
+mod golden_file;
+
 use irhorizon::config::settings::BusAddress;
 use irhorizon::ctl::advice;
 use irhorizon::ctl::kit::{Daemon, DaemonError, Kit};
@@ -10,7 +12,6 @@ use irhorizon::recording::Taps;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use std::os::fd::OwnedFd;
-use std::path::Path;
 
 /// A daemon whose bus address says what it answers.
 struct Fake(&'static str);
@@ -195,12 +196,7 @@ fn ctl(line: &str) -> (u8, String, String) {
 }
 
 fn golden(name: &str, text: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/ctl").join(name);
-    if std::env::var_os("UPDATE_GOLDEN").is_some() {
-        std::fs::write(&path, text).unwrap();
-    }
-    let expected = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(expected == text, "{name} differs; expected:\n{expected}\ngot:\n{text}");
+    assert_eq!(golden_file::difference(format!("tests/golden/ctl/{name}"), text), None);
 }
 
 #[test]

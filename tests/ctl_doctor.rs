@@ -1,9 +1,9 @@
 //! What doctor makes of facts, word for word, and of the daemon and of a machine without one.
 //! `UPDATE_GOLDEN=1` writes the expected texts.
 
-#[path = "dbus_bus/mod.rs"]
 mod dbus_bus;
 mod doctor_scenes;
+mod golden_file;
 mod process;
 
 use dbus_bus::Bus;
@@ -19,12 +19,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 fn golden(name: &str, text: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/ctl").join(name);
-    if std::env::var_os("UPDATE_GOLDEN").is_some() {
-        std::fs::write(&path, text).unwrap();
-    }
-    let expected = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(expected == text, "{name} differs; expected:\n{expected}\ngot:\n{text}");
+    assert_eq!(golden_file::difference(format!("tests/golden/ctl/{name}"), text), None);
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! `plot`: the report's figures are those of docs/figures, a flight is drawn as it was before.
-//! `GOLDEN=write cargo test --test ctl_plot` draws them anew.
+//! `UPDATE_GOLDEN=1 cargo test --test ctl_plot` draws them anew.
 
 mod ctl_kit;
+mod golden_file;
 
 use ctl_kit::{FLIGHT, file, golden, refused, run};
 use std::fs;

@@ -1,7 +1,8 @@
 //! `score` with a stand-in for the pipeline: whose rows count, and what is said of them.
-//! `GOLDEN=write cargo test --test ctl_score` writes the expected answers anew.
+//! `UPDATE_GOLDEN=1 cargo test --test ctl_score` writes the expected answers anew.
 
 mod ctl_kit;
+mod golden_file;
 
 use ctl_kit::{FLIGHT, file, golden, refused, run};
 

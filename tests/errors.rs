@@ -1,10 +1,10 @@
 //! Bad input to the two commands: the whole of standard error, compared with
-//! `tests/golden/errors/NAME.txt`. `GOLDEN=write cargo test --test errors` writes them anew.
+//! `tests/golden/errors/NAME.txt`. `UPDATE_GOLDEN=1 cargo test --test errors` writes them anew.
 //!
 //! Folders read as DIR, process numbers as PID, ports of this run as PORT.
 
-#[path = "dbus_bus/mod.rs"]
 mod dbus_bus;
+mod golden_file;
 mod process;
 
 use dbus_bus::Bus;
@@ -36,12 +36,7 @@ fn golden(name: &str, said: &str, names: &[(&str, &str)]) {
             _ => text + word,
         },
     );
-    let path = Path::new("tests/golden/errors").join(format!("{name}.txt"));
-    if std::env::var_os("GOLDEN").is_some_and(|v| v == "write") {
-        fs::write(&path, &said).unwrap();
-    }
-    let before = fs::read_to_string(&path).unwrap_or_default();
-    assert!(before == said, "{}\nbefore:\n{before}\nnow:\n{said}", path.display());
+    assert_eq!(golden_file::difference(format!("tests/golden/errors/{name}.txt"), &said), None);
 }
 
 fn dir(folder: &Folder) -> String {

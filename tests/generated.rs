@@ -6,6 +6,7 @@
 //! | `packaging/man/irhorizon.toml.5` | `docs/configuration.md` |
 //! | `packaging/completions/*` | the command lines |
 
+mod golden_file;
 mod manual;
 
 use clap::{Command, CommandFactory};
@@ -14,12 +15,7 @@ use std::fs;
 use std::path::Path;
 
 fn golden(name: &str, text: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("packaging").join(name);
-    if std::env::var_os("UPDATE_GOLDEN").is_some() {
-        fs::write(&path, text).unwrap();
-    }
-    let there = fs::read_to_string(&path).unwrap_or_default();
-    assert!(there == text, "packaging/{name} is not what its source says; write it anew with UPDATE_GOLDEN=1");
+    assert_eq!(golden_file::difference(format!("packaging/{name}"), text), None);
 }
 
 fn ctl() -> Command {

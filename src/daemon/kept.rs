@@ -14,7 +14,8 @@ const LARGEST: u64 = 64 * 1024;
 pub struct Kept {
     configuration: PathBuf,
     path: PathBuf,
-    text: String,
+    /// What could not be written.
+    unwritten: Option<String>,
 }
 
 impl Kept {
@@ -29,9 +30,15 @@ impl Kept {
             },
             |folder| folder.join("parameters.toml"),
         );
-        let short = fs::metadata(&path).is_ok_and(|m| m.is_file() && m.len() <= LARGEST);
-        let text = if short { fs::read_to_string(&path).unwrap_or_default() } else { String::new() };
-        Self { configuration: configuration.into(), path, text }
+        Self { configuration: configuration.into(), path, unwritten: None }
+    }
+
+    fn text(&self) -> String {
+        if let Some(text) = &self.unwritten {
+            return text.clone();
+        }
+        let short = fs::metadata(&self.path).is_ok_and(|m| m.is_file() && m.len() <= LARGEST);
+        if short { fs::read_to_string(&self.path).unwrap_or_default() } else { String::new() }
     }
 
     /// The configuration with what is kept laid upon it. What does not fit it any more (a range, an endpoint that is no
@@ -39,7 +46,7 @@ impl Kept {
     pub fn load(&self) -> Result<Loaded, ConfigErrors> {
         let plain = config::load(&self.configuration)?;
         let there = |address: &str| plain.settings.mavlink.endpoints.iter().any(|e| e.address.to_string() == address);
-        let text = drop_in::fitting(&self.text, there);
+        let text = drop_in::fitting(&self.text(), there);
         if text.trim().is_empty() {
             return Ok(plain);
         }
@@ -60,9 +67,11 @@ impl Kept {
 
     /// Keeps `changes`. They hold even where they cannot be written: until the next start then.
     pub fn keep(&mut self, changes: &[Change]) {
-        self.text = drop_in::with(&self.text, changes);
-        if let Err(e) = replace(&mut FileSystem, &self.path, self.text.as_bytes()) {
+        let text = drop_in::with(&self.text(), changes);
+        self.unwritten = None;
+        if let Err(e) = replace(&mut FileSystem, &self.path, text.as_bytes()) {
             log::error!("{} cannot be written: {e}; the settings hold until the next start", self.path.display());
+            self.unwritten = Some(text);
         }
     }
 }

@@ -99,7 +99,7 @@ pub fn run(shared: &Shared, switchboard: &Switchboard) {
         };
         seen.yaw = station.yaw(now);
         if generation != Some(current) {
-            let old = station.configure(now, switchboard.settings());
+            let old = station.configure(switchboard.settings());
             links = link::all(now, sent, station.settings(), links);
             links.iter_mut().for_each(|l| l.configured(now, &old, station.settings()));
             switchboard.tell(links.iter().map(Link::stats).collect());

@@ -37,6 +37,11 @@ impl Signer {
         Some(Self { with, told: Pace::new(TELL, 0) })
     }
 
+    /// Whether there is a key.
+    pub fn is_ready(&self) -> bool {
+        self.with.is_some()
+    }
+
     /// The signed frame of a message on link number `index`; empty without a key.
     pub fn encode<'a>(&mut self, encoder: &'a mut Encoder, message: &Message, index: usize) -> &'a [u8] {
         let link = u8::try_from(index).unwrap_or(u8::MAX);

@@ -36,8 +36,10 @@ impl Station {
     }
 
     /// Takes up a new configuration; gives the one before.
-    pub fn configure(&mut self, _now: Time, settings: Arc<Settings>) -> Arc<Settings> {
-        if settings.mavlink.signing_key != self.settings.mavlink.signing_key {
+    pub fn configure(&mut self, settings: Arc<Settings>) -> Arc<Settings> {
+        // A key that was of no use may have been mended.
+        let useless = self.signer.as_ref().is_some_and(|s| !s.is_ready());
+        if useless || settings.mavlink.signing_key != self.settings.mavlink.signing_key {
             self.finish();
             self.signer = Signer::wanted(&settings.mavlink);
         }

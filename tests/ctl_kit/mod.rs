@@ -35,14 +35,9 @@ pub fn run(args: &[&str]) -> (u8, String, String) {
     (code, String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap())
 }
 
-/// Compares a text with the file; `GOLDEN=write` writes it anew.
+/// Compares a text with the file.
 pub fn golden(path: impl AsRef<Path>, text: &str) {
-    let path = path.as_ref();
-    if std::env::var_os("GOLDEN").is_some_and(|v| v == "write") {
-        fs::write(path, text).unwrap();
-    }
-    let before = fs::read_to_string(path).unwrap_or_default();
-    assert!(before == text, "{} was\n{before}\nand is now\n{text}", path.display());
+    assert_eq!(super::golden_file::difference(path, text), None);
 }
 
 /// A file of one test alone.
