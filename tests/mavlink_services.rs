@@ -136,4 +136,10 @@ fn parameters_are_listed_set_and_kept() {
     let list = asked.answer(&["param-list"]);
     let names: Vec<&str> = list.as_array().unwrap().iter().map(|p| p["param_id"].as_str().unwrap()).collect();
     assert!(names.contains(&"IRH_E1_VAL_HZ") && !names.contains(&"IRH_E2_VAL_HZ"), "{names:?}");
+
+    // Without the file the configuration holds as it is written, from the next reload on.
+    std::fs::remove_file(asked.folder.path("irhorizon.toml.parameters")).unwrap();
+    asked.daemon.signal(Signal::HUP);
+    asked.daemon.says("configuration reloaded");
+    assert_eq!(asked.parameter("IRH_ROLL_TRIM"), 0.0);
 }

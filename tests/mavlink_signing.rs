@@ -74,6 +74,13 @@ fn a_key_that_others_may_read_makes_it_silent() {
     asked.call();
     assert_eq!((stamps(&asked.beside, 2000), stamps(&asked.peer, 200)), (vec![], vec![]));
     assert!(!asked.folder.path("signing-time").exists());
+
+    // Once it is mended a reload is enough.
+    std::fs::set_permissions(asked.folder.path("key"), std::fs::Permissions::from_mode(0o600)).unwrap();
+    asked.daemon.signal(Signal::HUP);
+    asked.daemon.says("configuration reloaded");
+    let signed = stamps(&asked.beside, 2000);
+    assert!(signed.len() > 20 && signed.iter().all(Option::is_some), "{signed:?}");
 }
 
 #[test]
