@@ -9,10 +9,12 @@ use super::{FieldEstimator, Tuning};
 use crate::time::Time;
 
 /// How much moves, before it is seen: body rates about the nose and across it, the contrast, the sensors' own scenes.
-pub fn paces(t: &Tuning) -> ([Whiteness; 2], Whiteness, SceneStrength) {
+pub fn paces(t: &Tuning) -> ([Whiteness; 2], [Whiteness; 2], Whiteness, SceneStrength) {
     let rate = Whiteness::new(0.1, (t.rate_learning, t.rate_learning), (0.1, 8.0));
     let contrast = Whiteness::new(0.15, (t.contrast.1, 0.5), (1.0, 200.0));
-    (std::array::from_fn(|_| rate.clone()), contrast, SceneStrength::new(t.scene.1, t.scene_learning_s))
+    let gyro = Whiteness::new(0.4, (0.1, 0.05), (0.3, 5.0));
+    let both = |w: Whiteness| [w.clone(), w];
+    (both(rate), both(gyro), contrast, SceneStrength::new(t.scene.1, t.scene_learning_s))
 }
 
 impl FieldEstimator {
@@ -26,7 +28,7 @@ impl FieldEstimator {
         self.aid = Aid::default();
         self.misfit = Misfit::default();
         self.unlike = false;
-        (self.rates, self.contrast, self.scene) = paces(&t);
+        (self.rates, self.gyro_errors, self.contrast, self.scene) = paces(&t);
         self.scene.begin(t.scene.0 * (start.scene.contrast_k.abs() / 35.0).min(1.0));
         self.state = State::new(self.model.sensors());
         let s = &mut self.state;
@@ -71,6 +73,7 @@ impl FieldEstimator {
             s.x[i] = 0.0;
             s.set_variance(i, if gyro { t.side.0.powi(2) } else { 0.0 });
         }
+        s.side_k2 = t.side.0.powi(2);
         self.sided = false;
         self.turned = 0.0;
         s.x[LAG] = 0.0;

@@ -122,10 +122,13 @@ impl FieldEstimator {
                 *apart += share * (now - *apart);
             }
         }
-        if !self.gyro.in_use() {
-            for (rate, direction) in self.rates.iter_mut().zip(&directions.turn) {
-                rate.update(dot(&innovations, direction), dt_s);
-            }
+        // What one sensor does is no error of a gyro.
+        let turning = match (self.gyro.in_use(), self.witnesses.undecided()) {
+            (false, _) => Some(&mut self.rates),
+            (true, undecided) => Some(&mut self.gyro_errors).filter(|_| !undecided),
+        };
+        for (turning, direction) in turning.into_iter().flatten().zip(&directions.turn) {
+            turning.update(dot(&innovations, direction), dt_s);
         }
         self.contrast.update(dot(&innovations, &directions.contrast), dt_s);
         let state = &self.state;

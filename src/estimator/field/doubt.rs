@@ -1,9 +1,7 @@
 //! When the scene is found not to be alike all around.
 
-use super::FieldEstimator;
-use super::state::{CONTRAST, DEPTH, OFFSET, RADIANCE, RATE, SIDE, State, TURN};
-use crate::estimator::PAIR_SLOPE;
-use crate::estimator::vector::cross;
+use super::state::{DEPTH, RADIANCE, RATE, SIDE, TURN};
+use super::{FieldEstimator, side};
 
 /// What no sky alike all around explains, from nothing to certain: below the first there is none (again),
 /// beyond the second there is.
@@ -22,7 +20,8 @@ impl FieldEstimator {
         }
         let (unlike, t, gyro) = (self.scene.unlike(), &self.tuning, self.gyro.in_use());
         let side_k2: f64 = self.state.x[SIDE..SIDE + 4].iter().map(|k| k * k).sum();
-        let found = gyro && !self.sided && side_k2 > (UNEXPECTED * t.side.0).powi(2);
+        let newly = gyro && !self.sided;
+        let found = newly && (side_k2 > (UNEXPECTED * t.side.0).powi(2) || side::shows(&self.state, t.unlike_side));
         if unlike < UNLIKE.0 {
             self.unlike = false;
         }
@@ -41,35 +40,12 @@ impl FieldEstimator {
             s.add_variance(DEPTH, 0.1);
             s.add_variance(RADIANCE, 0.1);
             if first {
-                hide(s, t.unlike_side);
+                side::hide(s, t.unlike_side);
+            } else if newly {
+                side::expect(s, t.unlike_side);
             }
             for i in 0..self.model.sensors() {
                 s.add_variance(s.scene(i), self.scene.variance());
-            }
-        }
-    }
-}
-
-/// Sides that are warmer by `side_k` may have been taken for an attitude, and that for an offset of the slow
-/// references: doubt along the line on which nothing shows.
-fn hide(s: &mut State, side_k: f64) {
-    let up = s.vertical();
-    let tilt = side_k / (PAIR_SLOPE * s.x[CONTRAST].abs().max(1.0));
-    for i in 0..4 {
-        let level = s.axes[i % 2];
-        let turn = cross(level, up).map(|c| tilt * c);
-        let upright = if up[2].abs() < 0.3 { 0.3_f64.copysign(up[2]) } else { up[2] };
-        let line = [
-            (SIDE + i, side_k),
-            (TURN, turn[0]),
-            (TURN + 1, turn[1]),
-            (TURN + 2, turn[2]),
-            (OFFSET, -tilt * level[1] / upright),
-            (OFFSET + 1, -tilt * level[0]),
-        ];
-        for (a, x) in line {
-            for (b, y) in line {
-                s.p[a][b] += x * y;
             }
         }
     }

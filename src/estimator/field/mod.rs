@@ -8,7 +8,7 @@
 //! - `model`: what a sensor should show; `start`, `begin`: where the filter begins;
 //! - `hear`: which readings are heard; `witness`: which sensor is not;
 //! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves;
-//! - `doubt`: a scene that is found not to be alike all around;
+//! - `doubt`: a scene that is found not to be alike all around; `side`: how warm a side is expected to be;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
 //! - `unheard`: what a sensor left out might have been right about;
 //! - `output`: angles, standard deviations, the underestimation guard.
@@ -24,6 +24,7 @@ mod hint;
 mod model;
 mod output;
 mod predict;
+mod side;
 mod start;
 mod state;
 mod stuck;
@@ -89,6 +90,8 @@ pub struct FieldEstimator {
     aid: Aid,
     /// Body rates about the nose, and across it.
     rates: [Whiteness; 2],
+    /// The errors of a gyro about the same.
+    gyro_errors: [Whiteness; 2],
     contrast: Whiteness,
     scene: SceneStrength,
     misfit: Misfit,
@@ -105,7 +108,7 @@ impl FieldEstimator {
     /// tables in a few milliseconds; nothing is allocated after that.
     pub fn new(head: &Head, field: FieldOfView, tuning: Tuning) -> Self {
         let model = Model::new(head, field);
-        let (rates, contrast, scene) = paces(&tuning);
+        let (rates, gyro_errors, contrast, scene) = paces(&tuning);
         Self {
             state: State::new(model.sensors()),
             is_stuck: [false; MAX_SENSORS],
@@ -125,6 +128,7 @@ impl FieldEstimator {
             gyro: Gyro::default(),
             aid: Aid::default(),
             rates,
+            gyro_errors,
             contrast,
             scene,
             misfit: Misfit::default(),
@@ -242,9 +246,9 @@ impl Estimator for FieldEstimator {
         let full = if enough { now } else { full };
         self.last = Some((now, full));
         if dt_s > 0.0 {
-            let across = self.rates[1].factor();
             let pace = Pace {
-                rate: [self.rates[0].factor(), across, across],
+                rate: [0, 1, 1].map(|i: usize| self.rates[i].factor()),
+                gyro: [0, 1, 1].map(|i: usize| self.gyro_errors[i].factor()),
                 contrast: self.contrast.factor(),
                 scene_k2: self.scene.variance(),
                 unlike: self.scene.unlike(),

@@ -14,6 +14,8 @@ const STEEPEST: f64 = 2.0;
 pub struct Pace {
     /// The body rates without a gyro, of what the tuning says.
     pub rate: [f64; 3],
+    /// The errors of a gyro, of what the tuning says.
+    pub gyro: [f64; 3],
     /// The contrast, of what the tuning says.
     pub contrast: f64,
     /// The variance of the sensors' own scenes, K².
@@ -51,7 +53,7 @@ pub fn predict(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, gyro: Op
         *s *= scene_keep;
     }
     let lost = (1.0 - rate_keep * rate_keep, 1.0 - scene_keep * scene_keep);
-    add_noise(state, sensors, t, dt_s, gyro.is_some(), pace, lost);
+    add_noise(state, sensors, t, dt_s, gyro.map(|_| rate), pace, lost);
     follow(state, model, t, dt_s, rate, &before);
 }
 
@@ -87,13 +89,23 @@ fn move_rows(state: &mut State, back: &[Vector; 3], dt_s: f64, rate_keep: f64, s
 }
 
 /// The process noise of everything but what the sensors show; `lost` is the share of the variance that
-/// rates and scenes have lost in this step.
-fn add_noise(state: &mut State, sensors: usize, t: &Tuning, dt_s: f64, gyro: bool, pace: &Pace, lost: (f64, f64)) {
+/// rates and scenes have lost in this step; `turns` are the rates by a gyro, rad/s.
+fn add_noise(
+    state: &mut State,
+    sensors: usize,
+    t: &Tuning,
+    dt_s: f64,
+    turns: Option<Vector>,
+    pace: &Pace,
+    lost: (f64, f64),
+) {
     let found_k = state.x[SIDE..SIDE + 4].iter().map(|k| k * k).sum::<f64>().sqrt();
     let mut add = |i: usize, variance: f64| state.p[i][i] += variance;
     for i in 0..3 {
-        if gyro {
-            add(TURN + i, t.gyro_walk.powi(2) * dt_s);
+        if let Some(rates) = turns {
+            // An axis askew shows a share of what goes on about the others.
+            let walk = pace.gyro[i] * t.gyro_walk.0.hypot(t.gyro_walk.1 * length(rates));
+            add(TURN + i, walk * walk * dt_s);
             add(RATE + i, t.bias.1.powi(2) * dt_s);
         } else {
             add(RATE + i, (pace.rate[i] * t.rate_sigma[i]).powi(2) * lost.0);
@@ -106,9 +118,10 @@ fn add_noise(state: &mut State, sensors: usize, t: &Tuning, dt_s: f64, gyro: boo
     for i in 0..2 {
         add(OFFSET + i, t.offset.1.powi(2) * dt_s);
     }
-    if gyro {
+    if turns.is_some() {
         let side = t.side.1 + pace.unlike * t.unlike_side_walk + t.side_share * found_k;
         (SIDE..SIDE + 4).for_each(|i| add(i, side * side * dt_s));
+        state.side_k2 += side * side * dt_s;
     }
     (SEEN + sensors..SEEN + 2 * sensors).for_each(|i| add(i, pace.scene_k2 * lost.1));
 }

@@ -40,6 +40,8 @@ pub struct State {
     pub plain: [f64; MAX_SENSORS],
     /// Covariance.
     pub p: [[f64; MAX]; MAX],
+    /// The variance that each warm side was expected to have, with what its walk has added, K².
+    pub side_k2: f64,
     sensors: usize,
 }
 
@@ -51,6 +53,7 @@ impl State {
             x: [0.0; MAX],
             plain: [0.0; MAX_SENSORS],
             p: [[0.0; MAX]; MAX],
+            side_k2: 0.0,
             sensors: sensors.min(MAX_SENSORS),
         }
     }

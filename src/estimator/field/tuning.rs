@@ -18,8 +18,8 @@ pub struct Tuning {
     pub rate_learning: f64,
     /// The airspeed from which a heading is reckoned without a gyro, m/s.
     pub cruise_m_s: f64,
-    /// The attitude's walk by the gyro's noise.
-    pub gyro_walk: f64,
+    /// The attitude's walk by the gyro's noise, and by its scale and axes for each rad/s.
+    pub gyro_walk: (f64, f64),
     /// The gyro's bias at first and its walk, rad/s.
     pub bias: (f64, f64),
     /// The walk of the ground's temperature.
@@ -74,7 +74,7 @@ impl Default for Tuning {
             rate_time_s: 0.6,
             rate_learning: 0.5,
             cruise_m_s: 15.0,
-            gyro_walk: deg(0.027),
+            gyro_walk: (deg(0.027), 0.0015),
             bias: (deg(1.0), deg(0.003)),
             ground_walk: 0.1,
             contrast: (0.02, 5.0),
