@@ -1,5 +1,5 @@
 # The two commands: `make demo` shows the daemon at work without hardware, `make test` runs everything.
-.PHONY: demo test lint bench deb
+.PHONY: demo test lint fuzz bench deb
 
 demo:
 	@[ -x target/release/irhorizond ] || echo "building: some minutes the first time"
@@ -14,6 +14,10 @@ lint:
 	cargo clippy --all-targets --quiet -- --deny warnings
 	RUSTDOCFLAGS='--deny warnings' cargo doc --no-deps --quiet
 	cargo clippy --test kernel --quiet -- --deny warnings
+
+# Longer than `make test` does: make fuzz SECONDS=3600
+fuzz:
+	@fuzz/run $(SECONDS)
 
 bench:
 	@benches/run

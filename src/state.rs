@@ -4,7 +4,7 @@
 //! has a [`Bell`] among them.
 
 use crate::aiding::Autopilot;
-use crate::attitude::Estimate;
+use crate::attitude::{Attitude, Estimate, Mode};
 use crate::frame::Frame;
 use crate::source::SensorHealth;
 use crate::time::Time;
@@ -13,6 +13,28 @@ use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
+
+/// As many frames before the newest are remembered: a publisher that is late by fewer leaves none out.
+pub const BEFORE: usize = 4;
+
+/// The attitude of one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// Counts frames; 0 before the first.
+    pub sequence: u64,
+    /// When it was written.
+    pub written: Time,
+    /// The newest conversion in it.
+    pub time: Time,
+    /// The moment that the attitude speaks of.
+    pub valid_at: Time,
+    /// Roll and pitch, or nothing while they are withheld.
+    pub attitude: Option<Attitude>,
+    /// Their standard deviations, rad.
+    pub sigma: Attitude,
+    /// How far to trust it.
+    pub mode: Mode,
+}
 
 /// What the sampling loop says after each frame.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +58,16 @@ pub struct Snapshot {
     pub generation: u64,
     /// The daemon is going down.
     pub stopping: bool,
+    /// The frames before this one, the newest first: [`Shared::update`] sees to it.
+    pub before: [Moment; BEFORE],
+}
+
+impl Snapshot {
+    /// The newest frame.
+    pub fn moment(&self) -> Moment {
+        let Estimate { time, valid_at, attitude, sigma, mode, .. } = self.estimate;
+        Moment { sequence: self.sequence, written: self.written, time, valid_at, attitude, sigma, mode }
+    }
 }
 
 /// The state with a bell that rings at every change.
@@ -71,7 +103,15 @@ impl Shared {
 
     /// Changes the state and wakes the publishers.
     pub fn update(&self, change: impl FnOnce(&mut Snapshot)) {
-        change(&mut self.lock());
+        {
+            let mut snapshot = self.lock();
+            let last = snapshot.moment();
+            change(&mut snapshot);
+            if snapshot.sequence != last.sequence {
+                snapshot.before.rotate_right(1);
+                snapshot.before[0] = last;
+            }
+        }
         self.changed.notify_all();
         self.bells.lock().unwrap_or_else(PoisonError::into_inner).retain(|bell| {
             let bell = bell.upgrade();

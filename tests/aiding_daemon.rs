@@ -42,9 +42,9 @@ const MOST: f64 = 1.3;
 /// the daemon's, and a millisecond the answers to TIMESYNC on a machine that has other things to do.
 const STAMPS_S: f64 = 0.002;
 /// What is published is of the moment of the scan, for which no rates are there yet: the aircraft's last 40 to 120 ms
-/// are a guess. By so much of what holding the newest rates errs by may that be beyond the rest. Errors of 1.3 times
-/// those of a recording are missed here, by as much as is printed: with exact rates those are of hundredths of a degree,
-/// and gusts that accelerate by 40 °/s² on the average make 0.1° in 70 ms.
+/// are a guess, a quarter as far off as holding the newest rates. By so much of what that errs by may it be beyond the
+/// rest. Errors of 1.3 times those of a recording are missed here, by as much as is printed: with exact rates those are
+/// of hundredths of a degree, and gusts that accelerate by 40 °/s² on the average make 0.1° in 70 ms.
 const OF_HELD: f64 = 0.3;
 
 /// Roll and pitch, °.

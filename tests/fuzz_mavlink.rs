@@ -1,10 +1,5 @@
 //! The fuzz targets of MAVLink over a fixed number of mutated seeds, without a fuzzer.
 
-use irhorizon::mavlink::encode::Encoder;
-use irhorizon::mavlink::messages;
-use irhorizon::mavlink::signing::{Key, Signing};
-use irhorizon::time::Time;
-
 #[path = "../fuzz/bodies/mavlink_receive.rs"]
 mod receive;
 #[path = "../fuzz/bodies/mavlink_service.rs"]
@@ -42,16 +37,7 @@ fn mutated(seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
 
 #[test]
 fn whatever_arrives() {
-    let mut encoder = Encoder::new(1, 191);
-    let mut other = Signing::new(Key::new([1; 32]), 0, 0);
-    let messages = [messages::autopilot_version(), messages::component_information(Time::from_nanos(5))];
-    let mut seeds: Vec<Vec<u8>> = Vec::new();
-    for message in &messages {
-        seeds.push([&[7], encoder.encode(message)].concat());
-        seeds.push([&[30], encoder.encode_signed(message, &mut other, 1, 5)].concat());
-    }
-    // HEARTBEAT of a quadrotor, MAVLink 1 and its CRC; and headers that promise more.
-    seeds.push(vec![255, 0xfe, 9, 7, 3, 1, 0, 0, 0, 0, 0, 2, 3, 0, 4, 3, 0xfd, 0xff, 0, 0xfe, 0xff]);
+    let seeds = receive::seeds();
     let mut random = Random(1);
     for _ in 0..50_000 {
         receive::receive(&mutated(&seeds, &mut random));
@@ -60,31 +46,7 @@ fn whatever_arrives() {
 
 #[test]
 fn whatever_is_asked() {
-    let mut seeds: Vec<Vec<u8>> = Vec::new();
-    let command = |number: u16, params: [f32; 7]| {
-        let mut payload: Vec<u8> = params.iter().flat_map(|p| p.to_le_bytes()).collect();
-        payload.extend(number.to_le_bytes());
-        payload.extend([1, 191, 0]);
-        [&[4, 3, 3, 33], payload.as_slice()].concat()
-    };
-    for (number, params) in [
-        (241, [0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0]),
-        (510, [30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
-        (511, [31.0, 1e5, 0.0, 0.0, 0.0, 0.0, 0.0]),
-        (512, [396.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
-        (9999, [1.0; 7]),
-    ] {
-        seeds.push(command(number, params));
-    }
-    for (name, value) in [("IRH_ROLL_TRIM", 3.0_f32), ("IRH_ON_FAULT", 1.0), ("IRH_E1_ATT_HZ", 5.0)] {
-        let mut id = [0; 16];
-        id[..name.len()].copy_from_slice(name.as_bytes());
-        seeds.push([&[2, 20, 3, 23], value.to_le_bytes().as_slice(), &[1, 191], &id, &[9]].concat());
-        seeds.push([[0, 1, 3, 20, 0xff, 0xff, 1, 191].as_slice(), &id].concat());
-    }
-    seeds.push(vec![1, 1, 3, 2, 1, 191]);
-    // Time goes by: a calibration ends, a list goes on.
-    seeds.push([1_u8, 5, 3, 2, 1, 191].repeat(120));
+    let seeds = serve::seeds();
     let mut random = Random(2);
     for _ in 0..3_000 {
         serve::serve(&mutated(&seeds, &mut random));

@@ -6,7 +6,7 @@ mod process;
 mod wire;
 
 use asking::Asked;
-use process::ATTITUDE;
+use process::{ATTITUDE, HEARTBEAT};
 use rustix::process::Signal;
 use wire::hz;
 
@@ -14,6 +14,8 @@ use wire::hz;
 const ACCEPTED: u64 = 0;
 const UNSUPPORTED: u64 = 3;
 const FAILED: u64 = 4;
+/// MAV_STATE.
+const ACTIVE: u8 = 4;
 
 /// Time since boot, ms, and roll, °, of so many attitudes at the endpoint beside.
 fn flight(asked: &Asked, count: usize) -> Vec<(u32, f64)> {
@@ -76,6 +78,52 @@ fn a_flight_that_moves_is_no_level_ground() {
     assert_eq!(answer["result"], FAILED, "{answer}");
     assert_eq!(asked.kept(), before);
     assert_eq!(asked.parameter("IRH_ROLL_TRIM"), 0.0);
+}
+
+/// Roll and pitch, °, on the mean of fifty attitudes from now on.
+fn stands(asked: &Asked) -> [f64; 2] {
+    asked.beside.forget();
+    let attitudes: Vec<[f64; 2]> = (0..50)
+        .map(|_| {
+            let mut payload = asked.beside.wait(ATTITUDE);
+            // Zeros at the end are not sent.
+            payload.resize(12, 0);
+            [4, 8].map(|at| f64::from(f32::from_le_bytes(payload[at..at + 4].try_into().unwrap())).to_degrees())
+        })
+        .collect();
+    [0, 1].map(|i| mean(&attitudes.iter().map(|a| a[i]).collect::<Vec<_>>()))
+}
+
+#[test]
+fn level_ground_gives_the_trim_and_it_is_kept() {
+    let mut asked = Asked::new("none", "", |folder| {
+        std::fs::create_dir(folder.path("irhorizon.toml.d")).unwrap();
+        folder.write("irhorizon.toml.d/parked.toml", "[simulation]\nflight = \"parked\"\n");
+    });
+    let is_active = |heartbeat: Vec<u8>| heartbeat[7] == ACTIVE;
+    while !is_active(asked.beside.wait(HEARTBEAT)) {}
+    let askew = stands(&asked);
+    println!("as mounted {askew:.2?}°");
+    assert!((askew[0] - 3.0).abs() < 1.0 && (askew[1] + 2.0).abs() < 1.0, "{askew:?}");
+
+    let answer = asked.answer(&["calibrate"]);
+    assert_eq!(answer["result"], ACCEPTED, "{answer}\n{}", asked.daemon.said());
+    let steps: Vec<u64> = answer["steps"].as_array().unwrap().iter().map(|s| s.as_u64().unwrap()).collect();
+    assert!(steps.len() > 2 && steps[0] == 0 && steps.is_sorted() && steps.last() < Some(&100), "{steps:?}");
+    asked.daemon.says("configuration reloaded");
+    let parameters = |asked: &Asked| ["IRH_ROLL_TRIM", "IRH_PITCH_TRIM"].map(|name| asked.parameter(name));
+    let (trims, level) = (parameters(&asked), stands(&asked));
+    println!("trims {trims:.2?}°, then {level:.2?}°");
+    for i in [0, 1] {
+        assert!((trims[i] - askew[i]).abs() < 0.5 && level[i].abs() < 0.5, "{trims:?} {level:?}");
+    }
+
+    asked.restart("", true, Signal::TERM);
+    while !is_active(asked.beside.wait(HEARTBEAT)) {}
+    assert_eq!(parameters(&asked), trims);
+    let level = stands(&asked);
+    println!("after a restart {level:.2?}°");
+    assert!(level.iter().all(|angle| angle.abs() < 0.5), "{level:?}");
 }
 
 #[test]

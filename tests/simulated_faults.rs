@@ -1,6 +1,6 @@
 //! Faults on purpose: what each does, and that chance is the seed's.
 
-use irhorizon::config::settings::{SimulationSettings, SkyName};
+use irhorizon::config::settings::{FlightName, SimulationSettings, SkyName};
 use irhorizon::direction::Direction;
 use irhorizon::frame::{Frame, Missing, Value};
 use irhorizon::head::{Head, Sensor, SensorKind};
@@ -9,8 +9,14 @@ use irhorizon::sky::FieldOfView;
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
 
-const CALM: SimulationSettings =
-    SimulationSettings { sky: SkyName::Namibia, noise_c: 0.0, lag_s: 0.0, seed: 1, faults: Vec::new() };
+const CALM: SimulationSettings = SimulationSettings {
+    flight: FlightName::Demo,
+    sky: SkyName::Namibia,
+    noise_c: 0.0,
+    lag_s: 0.0,
+    seed: 1,
+    faults: Vec::new(),
+};
 const FIELD: FieldOfView = FieldOfView::Gaussian { fwhm_deg: 90.0 };
 const NOSE: usize = 0;
 const LEFT: usize = 2;

@@ -18,6 +18,38 @@ const US: Ids = Ids { system: 1, component: 191 };
 /// The messages that are requests, with their extra CRC and where their target stands.
 const REQUESTS: [(u8, u8, usize); 5] = [(20, 214, 2), (21, 159, 0), (23, 168, 4), (75, 158, 30), (76, 152, 30)];
 
+/// Commands, parameters asked for and set, and requests that go on for long.
+pub fn seeds() -> Vec<Vec<u8>> {
+    let mut seeds: Vec<Vec<u8>> = Vec::new();
+    let command = |number: u16, params: [f32; 7]| {
+        let mut payload: Vec<u8> = params.iter().flat_map(|p| p.to_le_bytes()).collect();
+        payload.extend(number.to_le_bytes());
+        payload.extend([1, 191, 0]);
+        [&[4, 3, 3, 33], payload.as_slice()].concat()
+    };
+    for (number, params) in [
+        (241, [0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0]),
+        (510, [30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        (511, [31.0, 1e5, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        (512, [396.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        (9999, [1.0; 7]),
+    ] {
+        seeds.push(command(number, params));
+    }
+    for (name, value) in [("IRH_ROLL_TRIM", 3.0_f32), ("IRH_ON_FAULT", 1.0), ("IRH_E1_ATT_HZ", 5.0)] {
+        let mut id = [0; 16];
+        id[..name.len()].copy_from_slice(name.as_bytes());
+        seeds.push([&[2, 20, 3, 23], value.to_le_bytes().as_slice(), &[1, 191], &id, &[9]].concat());
+        seeds.push([[0, 1, 3, 20, 0xff, 0xff, 1, 191].as_slice(), &id].concat());
+    }
+    seeds.push(vec![1, 1, 3, 2, 1, 191]);
+    // Time goes by: a list goes on, a calibration ends.
+    let list = [1_u8, 5, 3, 2, 1, 191].repeat(120);
+    seeds.push([command(241, [0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0]), list.clone()].concat());
+    seeds.push(list);
+    seeds
+}
+
 /// A byte for the message, one for the time since the last (10 ms), one for flags, one for the length; the payload.
 pub fn serve(mut data: &[u8]) {
     let mut settings = Settings::default();

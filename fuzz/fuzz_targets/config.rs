@@ -1,6 +1,5 @@
 //! Any text as a configuration, a drop-in after each NUL: no panic, and what is accepted reads back
-//! as itself. Begin with the files of tests/golden/config as the corpus:
-//! `RUSTC_BOOTSTRAP=1 cargo fuzz run config fuzz/corpus/config tests/golden/config`
+//! as itself.
 #![no_main]
 
 use irhorizon::config::parse;

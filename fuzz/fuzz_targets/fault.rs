@@ -3,9 +3,13 @@
 #![no_main]
 
 use irhorizon::simulation::Fault;
+use irhorizon::simulation::fault::Kind;
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|text: &str| {
+#[path = "../seeds.rs"]
+mod seeds;
+
+fuzz_target!(init: seeds::plant(&Kind::ALL.map(|about| about.kind.example())), |text: &str| {
     match text.parse::<Fault>() {
         Ok(fault) => {
             assert_eq!(fault.to_string().parse(), Ok(fault.clone()));

@@ -5,5 +5,7 @@ use libfuzzer_sys::fuzz_target;
 
 #[path = "../bodies/mavlink_receive.rs"]
 mod body;
+#[path = "../seeds.rs"]
+mod seeds;
 
-fuzz_target!(|data: &[u8]| body::receive(data));
+fuzz_target!(init: seeds::plant(&body::seeds()), |data: &[u8]| body::receive(data));

@@ -1,5 +1,4 @@
-//! Any bytes as a recording: no panic, and what comes out is in order of time and in range. Begin
-//! with a recording: `RUSTC_BOOTSTRAP=1 cargo fuzz run recording fuzz/corpus/recording DIR`
+//! Any bytes as a recording: no panic, and what comes out is in order of time and in range.
 #![no_main]
 
 use irhorizon::frame::{Frame, Value};

@@ -10,8 +10,8 @@ pub const FARTHEST_S: f64 = 0.25;
 
 /// The attitude at `to` of what had `attitude` and `sigma` at `from`; `None` where the rates do not tell.
 ///
-/// After the newest rates theirs are a guess; what they may have changed by since then, as they have of late, is added
-/// to the standard deviations. `correction` is added to the rates, rad/s on (nose, left, up).
+/// After the newest rates theirs are a guess; what such guesses were off by of late is added to the standard
+/// deviations. `correction` is added to the rates, rad/s on (nose, left, up).
 pub fn carry(
     (attitude, sigma): (Attitude, Attitude),
     rates: &Rates,
@@ -29,9 +29,7 @@ pub fn carry(
         up = product(&rotation(turn.map(|c| -c * dt_s)), up);
     })?;
     let carried = Attitude::from_vertical(up);
-    let unknown_s = rates.newest().map_or(0.0, |newest| to.since(newest.max(from)).max(0.0));
-    // A rate that wanders, integrated: s²·t³/3.
-    let [p, q, r] = rates.wander().map(|w| w * unknown_s.powi(3) / 3.0);
+    let [p, q, r] = rates.unknown(to);
     let (sin, cos) = carried.roll.sin_cos();
     let pitch = (q * cos * cos + r * sin * sin).sqrt().to_radians();
     let tan = carried.pitch.tan().clamp(-5.0, 5.0);
@@ -77,11 +75,13 @@ mod tests {
     #[test]
     fn what_is_not_known_widens_and_what_is_too_far_is_not_carried() {
         let mut rates = Rates::default();
-        (0..50).for_each(|i| assert!(rates.insert(at(f64::from(i) * 0.02), [10.0 * f64::from(i % 2), 0.0, 0.0])));
+        // Rates that nobody foresees.
+        let gust = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 16) / 6553.6;
+        (0..50).for_each(|i| assert!(rates.insert(at(f64::from(i) * 0.02), [gust(i), 0.0, 0.0])));
         let level = (Attitude::default(), Attitude::from_degrees(0.5, 0.5));
         let known = carry(level, &rates, [0.0; 3], (at(0.9), at(0.98))).unwrap().1;
         let held = carry(level, &rates, [0.0; 3], (at(0.9), at(1.06))).unwrap().1;
-        assert!(known == level.1 && held.roll > 1.05 * known.roll && held.pitch == known.pitch, "{held:?}");
+        assert!(known == level.1 && held.roll > 1.05 * known.roll && held.pitch < 1.02 * known.pitch, "{held:?}");
         assert_eq!(carry(level, &rates, [0.0; 3], (at(0.9), at(1.2))), None);
         assert_eq!(carry(level, &rates, [0.0; 3], (at(0.9), at(0.8))), None, "backwards");
         assert_eq!(carry(level, &Rates::default(), [0.0; 3], (at(0.9), at(0.9))), None, "no rates at all");

@@ -1,7 +1,7 @@
 //! What an autopilot says beside the thermopiles, brought to the frames that it belongs to.
 //!
 //! - [`inbox`]: from the thread that hears to the one that samples;
-//! - [`rates`]: body rates against time; pure;
+//! - [`rates`]: body rates against time, [`foresight`]: and what follows the newest of them; pure;
 //! - [`carry`]: an attitude turned on by body rates; pure;
 //! - [`align`]: frames held back until the rates of their time are there; pure;
 //! - [`compare`]: the autopilot's attitude beside ours, for show alone; pure.
@@ -9,6 +9,7 @@
 pub mod align;
 pub mod carry;
 pub mod compare;
+pub mod foresight;
 pub mod inbox;
 pub mod rates;
 

@@ -1,20 +1,20 @@
 //! Body rates against time: in order, interpolated, and guessed for a moment. Pure.
 
+use super::foresight::{AHEAD_S, Foresight, Terms};
 use crate::time::Time;
 use std::collections::VecDeque;
+use std::time::Duration;
 
-/// Rates that are kept: two thirds of a second at 100 Hz, and more than the longest wait at 400 Hz.
-const KEPT: usize = 64;
+/// Rates that are kept: more than a second at 100 Hz, and enough to learn from at 400 Hz.
+const KEPT: usize = 128;
 /// Rates farther apart than this say nothing of what is between them, s.
 const GAP_S: f64 = 0.25;
 /// What follows the newest rates is guessed from them for so long, s.
 pub const HELD_S: f64 = 0.2;
-/// A change of rates is seen over this at least, and goes on with this time constant, s: an aircraft that begins to
-/// roll goes on with that for a moment.
-const CHANGE_S: f64 = 0.035;
-const GOES_ON_S: f64 = 0.07;
-/// Over how long it is learnt how fast rates change, s.
-const LATELY_S: f64 = 2.0;
+/// The slope of a rate is seen over this at least, s.
+const SLOPE_S: f64 = 0.015;
+/// Over so short a time a turn is a rate, s.
+const SHORT_S: f64 = 0.001;
 
 /// Rates about x (nose), y (right), z (down), °/s.
 pub type Rate = [f64; 3];
@@ -23,13 +23,14 @@ pub type Rate = [f64; 3];
 #[derive(Clone, Debug)]
 pub struct Rates {
     kept: VecDeque<(Time, Rate)>,
-    /// How fast each axis wanders: the square of its change, by the time that took, (°/s)²/s.
-    wander: Rate,
+    foresight: Foresight,
+    /// What followed the rates until here has been learnt.
+    learnt: Option<Time>,
 }
 
 impl Default for Rates {
     fn default() -> Self {
-        Self { kept: VecDeque::with_capacity(KEPT), wander: [0.0; 3] }
+        Self { kept: VecDeque::with_capacity(KEPT), foresight: Foresight::default(), learnt: None }
     }
 }
 
@@ -47,26 +48,69 @@ impl Rates {
         if known || (place == 0 && self.kept.len() >= KEPT) {
             return false;
         }
-        if let Some((last, before)) = self.kept.back().copied() {
-            let dt_s = time.since(last);
-            if dt_s > 0.0 && dt_s < GAP_S {
-                let keep = (-dt_s / LATELY_S).exp();
-                let seen = |i: usize| (rate[i] - before[i]).powi(2) / dt_s;
-                self.wander = std::array::from_fn(|i| keep * self.wander[i] + (1.0 - keep) * seen(i));
-            }
-        }
         if self.kept.len() >= KEPT {
             self.kept.pop_front();
         }
         // The oldest has made room.
         let place = self.kept.partition_point(|(t, _)| *t < time);
         self.kept.insert(place, (time, rate));
+        self.learn();
         true
     }
 
     /// Forgets all.
     pub fn clear(&mut self) {
         self.kept.clear();
+        (self.foresight, self.learnt) = (Foresight::default(), None);
+    }
+
+    /// Learns from what followed the rates of some time ago.
+    fn learn(&mut self) {
+        let Some(newest) = self.newest() else { return };
+        let farthest_s = AHEAD_S[AHEAD_S.len() - 1];
+        let next = self.kept.partition_point(|(t, _)| self.learnt.is_some_and(|learnt| *t <= learnt));
+        for place in next..self.kept.len() {
+            let (from, rate) = self.kept[place];
+            if newest.since(from) < farthest_s {
+                return;
+            }
+            let dt_s = self.learnt.replace(from).map_or(0.0, |learnt| from.since(learnt)).min(GAP_S);
+            let mut outcomes = [[0.0; 3]; AHEAD_S.len()];
+            let all = outcomes.iter_mut().zip(AHEAD_S).all(|(outcome, ahead_s)| {
+                let to = from + Duration::from_secs_f64(ahead_s);
+                let mut add = |mean: Rate, dt_s: f64| (0..3).for_each(|i| outcome[i] += (mean[i] - rate[i]) * dt_s);
+                self.known(from, to, &mut add).is_some()
+            });
+            if let Some(terms) = self.terms(place).filter(|_| all) {
+                self.foresight.learn(&terms, &outcomes, dt_s);
+            }
+        }
+    }
+
+    /// What the rates of this place tell of what follows.
+    fn terms(&self, place: usize) -> Option<Terms> {
+        let (mut time, newest) = *self.kept.get(place)?;
+        let (mut rate, mut slopes) = (newest, [[0.0; 3]; 2]);
+        let mut before = self.kept.range(..place).rev();
+        for slope in &mut slopes {
+            let (t, r) = before.find(|(t, _)| time.since(*t) >= SLOPE_S)?;
+            let dt_s = time.since(*t);
+            if dt_s > GAP_S {
+                return None;
+            }
+            *slope = std::array::from_fn(|i| (rate[i] - r[i]) / dt_s);
+            (time, rate) = (*t, *r);
+        }
+        Some(std::array::from_fn(|i| [slopes[0][i], slopes[1][i], newest[i]]))
+    }
+
+    /// How far it has turned `after_s` after the newest rates, °, and the variance of that, °²: a guess.
+    fn beyond(&self, after_s: f64) -> Option<[Rate; 2]> {
+        let (_, rate) = self.kept.back()?;
+        let held = || rate.map(|rate| [0.0, 0.0, rate]);
+        let terms = self.terms(self.kept.len() - 1).unwrap_or_else(held);
+        let [more, variance] = self.foresight.guess(&terms, after_s.max(0.0));
+        (after_s <= HELD_S).then(|| [std::array::from_fn(|i| rate[i] * after_s + more[i]), variance])
     }
 
     /// The newest moment.
@@ -81,30 +125,20 @@ impl Rates {
         (n > 1).then(|| self.kept.back().map(|(t, _)| t.since(first.0) / (n - 1) as f64)).flatten()
     }
 
-    /// How fast each axis wanders: (°/s)²/s.
-    pub fn wander(&self) -> Rate {
-        self.wander
-    }
-
-    /// How fast the newest rates change, °/s².
-    fn change(&self) -> Rate {
-        let Some((newest, rate)) = self.kept.back().copied() else { return [0.0; 3] };
-        let before = self.kept.iter().rev().copied().find(|(t, _)| newest.since(*t) >= CHANGE_S);
-        match before.map(|(t, before)| (newest.since(t), before)) {
-            Some((dt_s, before)) if dt_s < GAP_S => std::array::from_fn(|i| (rate[i] - before[i]) / dt_s),
-            _ => [0.0; 3],
-        }
+    /// How much of the turn until `time` is not known, °².
+    pub fn unknown(&self, time: Time) -> Rate {
+        let after_s = self.newest().map_or(0.0, |newest| time.since(newest));
+        if after_s > 0.0 { self.beyond(after_s).map_or([0.0; 3], |[_, variance]| variance) } else { [0.0; 3] }
     }
 
     /// The rates at `time`: between two that are near enough, or a guess from the newest.
     pub fn at(&self, time: Time) -> Option<Rate> {
         let place = self.kept.partition_point(|(t, _)| *t < time);
         let Some((after, next)) = self.kept.get(place).copied() else {
-            let (newest, rate) = self.kept.back().copied()?;
-            let after_s = time.since(newest);
-            let gain = GOES_ON_S * (1.0 - (-after_s / GOES_ON_S).exp());
-            let change = self.change();
-            return (after_s <= HELD_S).then(|| std::array::from_fn(|i| rate[i] + gain * change[i]));
+            let after_s = time.since(self.newest()?);
+            let [turned, shortly] = [after_s, after_s - SHORT_S].map(|s| self.beyond(s).map(|[turn, _]| turn));
+            let (turned, before) = (turned?, shortly?);
+            return Some(std::array::from_fn(|i| (turned[i] - before[i]) / SHORT_S));
         };
         if after == time {
             return Some(next);
@@ -117,6 +151,23 @@ impl Rates {
     /// Gives `step` the mean rates of every stretch from `from` to `to`, and how long it is, s. `None`: the rates
     /// of some of it are not known.
     pub fn through(&self, from: Time, to: Time, mut step: impl FnMut(Rate, f64)) -> Option<()> {
+        let newest = self.newest()?;
+        if from < newest {
+            self.known(from, to.min(newest), &mut step)?;
+        }
+        if to > newest {
+            let start = from.max(newest);
+            let [[before, _], [after, _]] = [self.beyond(start.since(newest))?, self.beyond(to.since(newest))?];
+            let dt_s = to.since(start);
+            if dt_s > 0.0 {
+                step(std::array::from_fn(|i| (after[i] - before[i]) / dt_s), dt_s);
+            }
+        }
+        Some(())
+    }
+
+    /// The same for what is not after the newest rates.
+    fn known(&self, from: Time, to: Time, step: &mut impl FnMut(Rate, f64)) -> Option<()> {
         let (mut at, mut rate) = (from, self.at(from)?);
         let first = self.kept.partition_point(|(t, _)| *t <= from);
         let between = self.kept.iter().skip(first).take_while(|(t, _)| *t < to).copied();
@@ -152,8 +203,24 @@ mod tests {
             [None, Some(10.0), Some(12.5), Some(-10.0), Some(-40.0)]
         );
         // It falls by 60 °/s in 60 ms, and goes on with that for a while.
-        assert!(p(80.1).is_some_and(|r| (r + 40.1).abs() < 0.01));
-        assert!(p(279.0).is_some_and(|r| (-110.0..-100.0).contains(&r)) && p(281.0).is_none());
+        assert!(p(80.5).is_some_and(|r| (r + 40.0).abs() < 1.0));
+        assert!(p(279.0).is_some_and(|r| (-115.0..-95.0).contains(&r)) && p(281.0).is_none(), "{:?}", p(279.0));
+    }
+
+    #[test]
+    fn what_has_begun_goes_on_for_a_moment() {
+        let rates = rates(&[(0.0, 0.0), (20.0, 1.0), (40.0, 3.0), (60.0, 5.0)]);
+        let p = |ms| rates.at(at(ms)).unwrap()[0];
+        assert!((5.0..6.0).contains(&p(65.0)) && p(100.0) > p(80.0) && (6.0..13.0).contains(&p(160.0)), "{}", p(160.0));
+        // The stretches are those of the guess.
+        let (mut turned, mut until) = (0.0, 0.0);
+        rates
+            .through(at(50.0), at(160.0), |rate, dt_s| {
+                turned += rate[0] * dt_s;
+                until += dt_s
+            })
+            .unwrap();
+        assert!((until - 0.11).abs() < 1e-9 && (0.6..1.1).contains(&turned), "{turned}");
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! What holds for everything that the configuration does not say.
 
 use super::settings::{
-    BusAddress, DbusSettings, EndpointAddress, EndpointSettings, EstimatorSettings, FaultSettings, HeadSettings,
-    MavlinkSettings, OnFault, Settings, SimulationSettings, SkyName, Streams,
+    BusAddress, DbusSettings, EndpointAddress, EndpointSettings, EstimatorSettings, FaultSettings, FlightName,
+    HeadSettings, MavlinkSettings, OnFault, Settings, SimulationSettings, SkyName, Streams,
 };
 use std::time::Duration;
 
@@ -66,9 +66,9 @@ impl Default for Streams {
     }
 }
 
-/// A clear night.
+/// A flight on a clear night.
 impl Default for SimulationSettings {
     fn default() -> Self {
-        Self { sky: SkyName::Namibia, noise_c: 0.08, lag_s: 0.1, seed: 1, faults: Vec::new() }
+        Self { flight: FlightName::Demo, sky: SkyName::Namibia, noise_c: 0.08, lag_s: 0.1, seed: 1, faults: Vec::new() }
     }
 }

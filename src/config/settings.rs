@@ -413,9 +413,25 @@ impl SkyName {
     pub const NAMED: [(&'static str, Self); 2] = [("namibia", Self::Namibia), ("durham", Self::Durham)];
 }
 
+/// What a simulated aircraft does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlightName {
+    /// It flies: turns, climbs and descents in mild turbulence.
+    Demo,
+    /// It stands level, with a head that is mounted a little askew.
+    Parked,
+}
+
+impl FlightName {
+    /// Both with their names.
+    pub const NAMED: [(&'static str, Self); 2] = [("demo", Self::Demo), ("parked", Self::Parked)];
+}
+
 /// `[simulation]`, present only while `enabled = true`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulationSettings {
+    /// What the aircraft does.
+    pub flight: FlightName,
     /// Which sky.
     pub sky: SkyName,
     /// Noise of each sensor, K rms: 0 to 5.

@@ -4,8 +4,8 @@
 //! with them when they change.
 
 use super::settings::{
-    AdcInput, Ads1115Settings, BusAddress, DeviceSettings, HeadSettings, LineSettings, Method, Mlx90614Settings,
-    PecPolicy, SensorSettings, Settings, SkyName,
+    AdcInput, Ads1115Settings, BusAddress, DeviceSettings, FlightName, HeadSettings, LineSettings, Method,
+    Mlx90614Settings, PecPolicy, SensorSettings, Settings, SkyName,
 };
 use crate::direction::Direction;
 use std::fmt::{Display, Write};
@@ -80,6 +80,7 @@ pub fn show(settings: &Settings) -> String {
     out.header("[simulation]");
     out.set("enabled", simulation.is_some());
     if let Some(s) = simulation {
+        out.set("flight", string(named(&FlightName::NAMED, s.flight)));
         out.set("sky", string(named(&SkyName::NAMED, s.sky)));
         out.set("noise-c", s.noise_c);
         out.set("lag-s", s.lag_s);

@@ -6,8 +6,8 @@ use super::raw::Table;
 use super::section::{Findings, Section};
 use super::sensor::{self, Sensors};
 use super::settings::{
-    BusAddress, DbusSettings, EstimatorSettings, FaultSettings, HeadSettings, LineSettings, MavlinkSettings, Method,
-    OnFault, Settings, SimulationSettings, SkyName,
+    BusAddress, DbusSettings, EstimatorSettings, FaultSettings, FlightName, HeadSettings, LineSettings,
+    MavlinkSettings, Method, OnFault, Settings, SimulationSettings, SkyName,
 };
 use super::source::Place;
 use crate::direction::Direction;
@@ -125,6 +125,7 @@ fn simulation(mut s: Section<'_>, sensors: &Sensors<'_>, findings: &Findings<'_>
     let d = SimulationSettings::default();
     let enabled = s.boolean("enabled").unwrap_or(false);
     let settings = SimulationSettings {
+        flight: s.choice("flight", &FlightName::NAMED).unwrap_or(d.flight),
         sky: s.choice("sky", &SkyName::NAMED).unwrap_or(d.sky),
         noise_c: s.range("noise-c", 0.0, 5.0, " K").unwrap_or(d.noise_c),
         lag_s: s.range("lag-s", 0.0, 5.0, " s").unwrap_or(d.lag_s),

@@ -91,6 +91,12 @@ impl Link {
         });
     }
 
+    /// Sends the attitude of a frame that was passed over.
+    pub fn passed_over(&mut self, now: Time, index: usize, seen: &Seen, station: &mut Station) {
+        let Self { endpoint, encoder, session, .. } = self;
+        session.passed_over(now, seen, |message| endpoint.send(now, station.encode(encoder, message, index)));
+    }
+
     /// Takes in what has come, and answers.
     pub fn receive(&mut self, now: Time, index: usize, seen: &Seen, station: &mut Station) {
         let Self { endpoint, encoder, session, service, answers, outgoing, turns } = self;

@@ -1,5 +1,5 @@
 //! The thread that sends and hears: waits for a frame and for all endpoints at once, tells every endpoint, heeds
-//! what has come in.
+//! what has come in. Of several frames at once it sends each attitude, the last few at most.
 
 use super::endpoint::watch::{Ready, Watch};
 use super::link::{self, Link};
@@ -92,10 +92,10 @@ pub fn run(shared: &Shared, switchboard: &Switchboard) {
             bell.hush();
         }
         let sent = seen.sequence;
-        let (stopping, current) = {
+        let (stopping, current, newest, before) = {
             let snapshot = shared.lock();
             seen.copy(&snapshot);
-            (snapshot.stopping, snapshot.generation)
+            (snapshot.stopping, snapshot.generation, snapshot.moment(), snapshot.before)
         };
         seen.yaw = station.yaw(now);
         if generation != Some(current) {
@@ -109,6 +109,14 @@ pub fn run(shared: &Shared, switchboard: &Switchboard) {
             end(now, &mut links, &mut station);
             return;
         }
+        // A thread that is woken late has a few frames to tell of; of those before them nobody asks any more.
+        for moment in before.iter().rev().filter(|moment| moment.sequence > sent) {
+            seen.go_to(moment);
+            for (i, link) in links.iter_mut().enumerate() {
+                link.passed_over(now, i, &seen, &mut station);
+            }
+        }
+        seen.go_to(&newest);
         // What goes out does not wait for what has come in.
         for (i, link) in links.iter_mut().enumerate() {
             link.step(now, i, &seen, &mut station);

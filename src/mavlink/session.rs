@@ -13,7 +13,7 @@ use super::messages::{self, Message};
 use crate::attitude::{Attitude, Mode};
 use crate::config::settings::Streams;
 use crate::fault::{ActiveFault, Evidence, FaultKind, FaultName};
-use crate::state::Snapshot;
+use crate::state::{Moment, Snapshot};
 use crate::time::Time;
 use ::mavlink::MessageData;
 use ::mavlink::dialects::common::{
@@ -63,16 +63,17 @@ impl Seen {
     /// Takes in a snapshot; allocates only when there are more faults than ever before.
     pub fn copy(&mut self, snapshot: &Snapshot) {
         let estimate = &snapshot.estimate;
-        self.sequence = snapshot.sequence;
-        self.written = snapshot.written;
-        self.time = estimate.time;
-        self.valid_at = estimate.valid_at;
-        self.attitude = estimate.attitude;
-        self.sigma = estimate.sigma;
+        self.go_to(&snapshot.moment());
         self.contrast_k = estimate.contrast_k;
-        self.mode = estimate.mode;
         self.trim = estimate.trim;
         self.faults.clone_from(&estimate.faults);
+    }
+
+    /// Goes to another frame, as far as the attitude is concerned.
+    pub fn go_to(&mut self, moment: &Moment) {
+        let Moment { sequence, written, time, valid_at, attitude, sigma, mode } = *moment;
+        (self.sequence, self.written, self.time, self.valid_at) = (sequence, written, time, valid_at);
+        (self.attitude, self.sigma, self.mode) = (attitude, sigma, mode);
     }
 }
 
@@ -229,6 +230,14 @@ impl Session {
         }
         if self.rates.values.due(now) {
             self.values(now, seen, dead, &mut send);
+        }
+    }
+
+    /// Gives `send` the attitude of a frame that was passed over: a newer one is there already.
+    pub fn passed_over(&mut self, now: Time, seen: &Seen, mut send: impl FnMut(&Message)) {
+        if seen.sequence > self.sequence && self.age_s(now, seen) < DEAD_AFTER_S {
+            self.sequence = seen.sequence;
+            self.measured(seen, &mut send);
         }
     }
 

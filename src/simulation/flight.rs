@@ -71,6 +71,11 @@ impl Flight {
         flight
     }
 
+    /// An aircraft that stands level, whose head is mounted 3° right side down and 2° nose down.
+    pub fn parked() -> Self {
+        Self::steady(3.0, -2.0)
+    }
+
     /// From waypoint to waypoint by smooth transitions, in calm air; the first holds before, the
     /// last after. The waypoints are put in order of time; without any the flight is level.
     pub fn scripted(mut waypoints: Vec<Waypoint>) -> Self {

@@ -11,7 +11,7 @@ use super::script::{Outage, Weather};
 use super::straight::Straight;
 use super::trajectory::Trajectory;
 use crate::attitude::Attitude;
-use crate::config::settings::{SimulationSettings, SkyName};
+use crate::config::settings::{FlightName, SimulationSettings, SkyName};
 use crate::frame::{Aiding, Frame, Missing, Sample};
 use crate::head::Head;
 use crate::sky::{Averaging, FieldOfView, Sky};
@@ -62,17 +62,21 @@ pub struct SimulatedSource {
 }
 
 impl SimulatedSource {
-    /// The demonstration flight under the sky of the settings, seen by `head`, whose sensors all have
+    /// The flight and the sky of the settings, seen by `head`, whose sensors all have
     /// the same `field`. Averages temperature, as the report does. Takes a few milliseconds.
     pub fn new(settings: &SimulationSettings, head: &Head, field: FieldOfView) -> Self {
         let sky = match settings.sky {
             SkyName::Namibia => Sky::NAMIBIA,
             SkyName::Durham => Sky::DURHAM,
         };
+        let flight = match settings.flight {
+            FlightName::Demo => Flight::demo(settings.seed),
+            FlightName::Parked => Flight::parked(),
+        };
         let (integrity, lag_s) = (Integrity::None, settings.lag_s);
         let health = SensorHealth { integrity, settling_s: lag_s, lag_s, ..SensorHealth::default() };
         let source = Self {
-            path: Path::Flight(Flight::demo(settings.seed)),
+            path: Path::Flight(flight),
             instruments: None,
             dropped: (0.0, Noise::new(settings.seed)),
             field,

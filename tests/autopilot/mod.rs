@@ -1,6 +1,8 @@
 //! An autopilot on the same flight as the head, over a link that is slow and loses messages. Its rates, speeds and
 //! noise are those of a simulated flight of the same seed; its clock is its own.
 
+mod voice;
+
 use irhorizon::attitude::Attitude;
 use irhorizon::frame::{Aiding, Frame};
 use irhorizon::mavlink::aiding::{Ask, Listener};
@@ -9,19 +11,14 @@ use irhorizon::mavlink::heard::Heard;
 use irhorizon::simulation::{Scenario, SimulatedSource};
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
-use mavlink::dialects::common::{
-    ATTITUDE_DATA, COMMAND_ACK_DATA, GLOBAL_POSITION_INT_DATA, HEARTBEAT_DATA, MavAutopilot, MavResult, TIMESYNC_DATA,
-    VFR_HUD_DATA,
-};
-use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
+use mavlink::MessageData;
+use mavlink::dialects::common::{COMMAND_ACK_DATA, GLOBAL_POSITION_INT_DATA, MavResult, TIMESYNC_DATA, VFR_HUD_DATA};
 use std::collections::BTreeMap;
 use std::time::Duration;
+use voice::{Voice, WAY};
 
-/// From the autopilot to us and back, and how much longer it may take.
-const WAY: Duration = Duration::from_millis(40);
+/// How much longer the way may take.
 const JITTER_NS: u64 = 8_000_000;
-/// Messages that are lost.
-const LOST: f64 = 0.2;
 /// How long the autopilot has been running when the flight begins here: its clock less ours.
 const BEHIND: Duration = Duration::from_nanos(987_654_321_987);
 /// Its messages are of moments between ours.
@@ -33,8 +30,7 @@ pub struct Autopilot {
     frame: Frame,
     /// Added to the attitude that it tells.
     pub wrong: Attitude,
-    chance: u64,
-    sequence: u8,
+    voice: Voice,
     /// By their arrival.
     on_the_way: BTreeMap<(Time, u8), Vec<u8>>,
 }
@@ -44,12 +40,7 @@ impl Autopilot {
     pub fn new(scenario: &Scenario, seed: u64, origin: Time) -> Self {
         let flight = scenario.source(seed).with_origin(origin);
         let frame = Frame::new(scenario.head().sensors.len());
-        Self { flight, frame, wrong: Attitude::default(), chance: seed, sequence: 0, on_the_way: BTreeMap::new() }
-    }
-
-    fn chance(&mut self) -> f64 {
-        self.chance = self.chance.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.chance >> 33) as f64 / (1_u64 << 31) as f64
+        Self { flight, frame, wrong: Attitude::default(), voice: Voice::new(seed), on_the_way: BTreeMap::new() }
     }
 
     /// Its time, ns, at a moment of ours.
@@ -58,12 +49,9 @@ impl Autopilot {
     }
 
     fn send<M: MessageData>(&mut self, now: Time, message: &M) {
-        let mut raw = MAVLinkV2MessageRaw::new();
-        raw.serialize_message_data(MavHeader { system_id: 7, component_id: 1, sequence: self.sequence }, message);
-        self.sequence = self.sequence.wrapping_add(1);
-        let jitter = Duration::from_nanos((self.chance() * JITTER_NS as f64) as u64);
-        if self.chance() >= LOST {
-            self.on_the_way.insert((now + WAY + jitter, self.sequence), raw.raw_bytes().to_vec());
+        let jitter = Duration::from_nanos((self.voice.chance() * JITTER_NS as f64) as u64);
+        if let Some((number, bytes)) = self.voice.say(message) {
+            self.on_the_way.insert((now + WAY + jitter, number), bytes);
         }
     }
 
@@ -73,26 +61,13 @@ impl Autopilot {
         self.flight.scan(now, &mut self.frame);
         let truth = self.flight.truth_at(now);
         let aiding = self.frame.aiding;
-        let time_boot_ms = (self.clock(now) / 1_000_000) as u32;
         if tick.as_nanos() % 1_000_000_000 < 20_000_000 {
-            let autopilot = MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA;
-            self.send(now, &HEARTBEAT_DATA { autopilot, mavlink_version: 3, ..HEARTBEAT_DATA::DEFAULT });
+            self.send(now, &voice::heartbeat());
         }
-        if let [Some(p), Some(q), Some(r)] = aiding.gyro_deg_s.map(|v| v.map(|v| v.to_radians() as f32)) {
-            self.send(
-                now,
-                &ATTITUDE_DATA {
-                    time_boot_ms,
-                    roll: (truth.roll + self.wrong.roll) as f32,
-                    pitch: (truth.pitch + self.wrong.pitch) as f32,
-                    yaw: 1.0,
-                    rollspeed: p,
-                    pitchspeed: q,
-                    yawspeed: r,
-                },
-            );
+        if let [Some(p), Some(q), Some(r)] = aiding.gyro_deg_s {
+            self.send(now, &voice::attitude(self.clock(now), truth, self.wrong, 1.0, [p, q, r]));
         }
-        self.speeds(now, time_boot_ms, &aiding);
+        self.speeds(now, (self.clock(now) / 1_000_000) as u32, &aiding);
     }
 
     fn speeds(&mut self, now: Time, time_boot_ms: u32, aiding: &Aiding) {

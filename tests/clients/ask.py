@@ -67,15 +67,18 @@ class Link:
         return None
 
     def ask(self, send, kind, wanted=lambda m: True):
-        """Sends a question until there is an answer. A command that is in progress is waited for."""
+        """Sends a question until there is an answer. A command that is in progress is waited for; how far it was in
+        between is `steps` of the answer."""
         for _ in range(TRIES):
             send()
             answer = self.hear(kind, wanted, PATIENCE_S)
             if answer is None:
                 continue
+            steps = []
             while answer and answer.get("result") == mavlink.MAV_RESULT_IN_PROGRESS:
+                steps.append(answer["progress"])
                 answer = self.hear(kind, wanted, 60.0)
-            return answer
+            return {**answer, "steps": steps} if answer and steps else answer
         return None
 
     def is_ack(self, command):

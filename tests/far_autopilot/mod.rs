@@ -2,21 +2,22 @@
 //! a daemon's simulated source flies, and has a clock of its own. What is late here is late on the link: the stamps
 //! are right whenever the machine gets round to it.
 
+#[path = "../autopilot/voice.rs"]
+mod voice;
+
 use irhorizon::attitude::Attitude;
 use irhorizon::clock;
 use irhorizon::mavlink::deframe::{Packet, datagram};
 use irhorizon::mavlink::heard::Heard;
 use irhorizon::simulation::Flight;
 use irhorizon::time::Time;
-use mavlink::dialects::common::{ATTITUDE_DATA, COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavResult};
-use mavlink::dialects::common::{COMMAND_LONG_DATA, TIMESYNC_DATA};
-use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, MessageData};
+use mavlink::dialects::common::{ATTITUDE_DATA, COMMAND_ACK_DATA, COMMAND_LONG_DATA, MavCmd, MavResult, TIMESYNC_DATA};
+use mavlink::{MavlinkVersion, MessageData};
 use std::collections::BTreeMap;
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Duration;
+use voice::{Voice, WAY};
 
-const WAY: Duration = Duration::from_millis(40);
-const LOST: f64 = 0.2;
 const PERIOD: Duration = Duration::from_millis(20);
 /// Its clock less ours, µs.
 const CLOCK_USEC: i64 = 3_600_123_457;
@@ -55,8 +56,7 @@ pub struct FarAutopilot {
     pub spoke: Time,
     next: Time,
     beats: u32,
-    chance: u64,
-    sequence: u8,
+    voice: Voice,
     /// To the daemon, and from it, by their arrival.
     down: BTreeMap<(Time, u8), Frame>,
     up: Vec<(Time, Question)>,
@@ -90,8 +90,7 @@ impl FarAutopilot {
             spoke: Time::default(),
             next: Time::default(),
             beats: 0,
-            chance: seed,
-            sequence: 0,
+            voice: Voice::new(seed),
             down: BTreeMap::new(),
             up: Vec::new(),
             asked: Vec::new(),
@@ -132,40 +131,22 @@ impl FarAutopilot {
         time.as_nanos() as i64 + CLOCK_USEC * 1000
     }
 
-    fn is_lost(&mut self) -> bool {
-        self.chance = self.chance.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.chance >> 33) as f64 / (1_u64 << 31) as f64) < LOST
-    }
-
     /// `false`: it will not arrive.
     fn send<M: MessageData>(&mut self, at: Time, message: &M) -> bool {
-        let mut raw = MAVLinkV2MessageRaw::new();
-        raw.serialize_message_data(MavHeader { system_id: 7, component_id: 1, sequence: self.sequence }, message);
-        self.sequence = self.sequence.wrapping_add(1);
-        let lost = self.is_lost();
-        if !lost {
-            self.down.insert((at + WAY, self.sequence), (raw.raw_bytes().to_vec(), at));
-        }
-        !lost
+        let said = self.voice.say(message);
+        let arrives = said.is_some();
+        self.down.extend(said.map(|(number, bytes)| ((at + WAY, number), (bytes, at))));
+        arrives
     }
 
     fn speak(&mut self, at: Time) {
         if self.beats.is_multiple_of(50) {
-            let autopilot = MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA;
-            self.send(at, &HEARTBEAT_DATA { autopilot, mavlink_version: 3, ..HEARTBEAT_DATA::DEFAULT });
+            self.send(at, &voice::heartbeat());
         }
         self.beats += 1;
         let truth = self.truth(at);
-        let [p, q, r] = body_rates(&self.flight, at.since(self.origin)).map(|v| v.to_radians() as f32);
-        let attitude = ATTITUDE_DATA {
-            time_boot_ms: (Self::clock_ns(at) / 1_000_000) as u32,
-            roll: (truth.roll + self.wrong.roll) as f32,
-            pitch: (truth.pitch + self.wrong.pitch) as f32,
-            yaw: 1.25,
-            rollspeed: p,
-            pitchspeed: q,
-            yawspeed: r,
-        };
+        let rates = body_rates(&self.flight, at.since(self.origin));
+        let attitude = voice::attitude(Self::clock_ns(at) as u64, truth, self.wrong, 1.25, rates);
         self.send(at, &attitude);
     }
 

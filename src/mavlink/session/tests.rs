@@ -114,6 +114,27 @@ fn no_attitude_while_it_is_withheld_and_never_the_last_one() {
 }
 
 #[test]
+fn frames_that_were_passed_over_are_told_once_in_their_order_and_not_when_old() {
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
+    let mut stamps = Vec::new();
+    let mut passed_over = |session: &mut Session, now, seen: &Seen| {
+        session.passed_over(at(now), seen, |m| {
+            let Message::Attitude(a) = m else { panic!("{m:?}") };
+            stamps.push(a.time_boot_ms);
+        });
+    };
+    assert_eq!(attitudes(&step(&mut session, 0.0, &frame(1, 0.0))), 1);
+    for (sequence, secs) in [(1, 0.0), (2, 0.02), (3, 0.04), (2, 0.02)] {
+        passed_over(&mut session, 0.07, &frame(sequence, secs));
+    }
+    passed_over(&mut session, 2.0, &frame(4, 0.06));
+    assert_eq!(attitudes(&step(&mut session, 2.0, &frame(5, 2.0))), 1);
+    passed_over(&mut session, 2.0, &frame(4, 2.0));
+    // Stamped 2 ms before each was written.
+    assert_eq!(stamps, [1_000_018, 1_000_038]);
+}
+
+#[test]
 fn dead_sampling_is_critical_after_one_second_and_silent_after_three() {
     let mut session = Session::new(at(0.0), 0, &Streams::default());
     let seen = frame(1, 0.0);
