@@ -1,5 +1,5 @@
 # The two commands: `make demo` shows the daemon at work without hardware, `make test` runs everything.
-.PHONY: demo test lint fuzz bench deb
+.PHONY: demo test test-arm lint fuzz bench deb
 
 demo:
 	@[ -x target/release/irhorizond ] || echo "building: some minutes the first time"
@@ -8,6 +8,10 @@ demo:
 
 test:
 	@tests/run
+
+# The packages for arm64 and armhf as they are given out; `make test` has one for arm64, built quickly.
+test-arm:
+	@tests/arm/run
 
 lint:
 	cargo fmt --check

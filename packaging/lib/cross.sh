@@ -58,8 +58,12 @@ sysroot() {
 
 # Sees to it that ARCH can be compiled for.
 prepare_cross() {
-    local arch=$1 into version
-    need "$(linker "$arch")" "gcc-$(linker "$arch" | sed 's/-gcc$//')"
+    local arch=$1 machine into version
+    machine=$(linker "$arch")
+    machine=${machine%-gcc}
+    need "$machine-gcc" "gcc-$machine"
+    # The compiler only recommends what it links with.
+    [ -e "/usr/$machine/lib/crt1.o" ] || missing+=("libc6-dev-$arch-cross")
     [ -x /usr/bin/rustc ] || missing+=(rustc-web)
     [ -x /usr/bin/cargo ] || missing+=(cargo-web)
     install_missing

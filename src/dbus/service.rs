@@ -29,8 +29,8 @@ use zruntime::SharedRuntime;
 const LOOK: Duration = Duration::from_millis(50);
 /// The pause before the first new attempt to connect; doubled after each failure.
 const BACKOFF_FIRST: Duration = Duration::from_millis(200);
-/// The longest pause.
-const BACKOFF_LAST: Duration = Duration::from_secs(2);
+/// The longest pause: after any absence of the bus the service is back on it within 2 s, all told.
+const BACKOFF_LAST: Duration = Duration::from_secs(1);
 /// A bus that takes longer to answer a connection counts as unreachable.
 const CONNECT_LIMIT: Duration = Duration::from_secs(5);
 

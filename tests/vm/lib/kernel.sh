@@ -1,6 +1,6 @@
 # shellcheck shell=bash
 # The kernel as Debian ships it, unpacked into the cache: image, modules,
-# headers to build against, and the two source files that become gpio-sim.
+# headers to build against, and the source files that modules of ours are made of.
 
 # Download into the cache the newest kernel that apt knows. Fails if it cannot.
 # Sets kernel, its folder …/<version>; release is what the kernel calls itself.
@@ -28,11 +28,17 @@ unpack_kernel() {
 	done
 	# The headers name each other by absolute path.
 	sed -i "s|/usr/src/|$dir/root/usr/src/|" "$dir/root/usr/src/linux-headers-$release/Makefile"
-	dpkg-deb --fsys-tarfile "$dir/debs"/linux-source-*.deb |
-		tar -xO ./usr/src/linux-source-6.12.tar.xz |
-		tar -xJ -C "$dir" --strip-components=1 \
-			linux-source-6.12/drivers/gpio/gpio-sim.c linux-source-6.12/kernel/irq/irq_sim.c
+	unpack_sources "$dir/debs" "$dir"
 	depmod -b "$dir/root" "$release"
 	rm -rf "$dir/debs"
 	echo "$release" >"$dir/release"
+}
+
+# Take from the package linux-source-6.12 in DEBS into DIR what becomes gpio-sim and, for arm64, i2c-stub.
+unpack_sources() {
+	local debs=$1 dir=$2
+	dpkg-deb --fsys-tarfile "$debs"/linux-source-*.deb |
+		tar -xO ./usr/src/linux-source-6.12.tar.xz |
+		tar -xJ -C "$dir" --strip-components=1 linux-source-6.12/drivers/gpio/gpio-sim.c \
+			linux-source-6.12/drivers/i2c/i2c-stub.c linux-source-6.12/kernel/irq/irq_sim.c
 }
