@@ -122,12 +122,8 @@ impl FieldEstimator {
                 *apart += share * (now - *apart);
             }
         }
-        // What one sensor does is no error of a gyro.
-        let turning = match (self.gyro.in_use(), self.witnesses.undecided()) {
-            (false, _) => Some(&mut self.rates),
-            (true, undecided) => Some(&mut self.gyro_errors).filter(|_| !undecided),
-        };
-        for (turning, direction) in turning.into_iter().flatten().zip(&directions.turn) {
+        let turning = if self.gyro.in_use() { &mut self.gyro_errors } else { &mut self.rates };
+        for (turning, direction) in turning.iter_mut().zip(&directions.turn) {
             turning.update(dot(&innovations, direction), dt_s);
         }
         self.contrast.update(dot(&innovations, &directions.contrast), dt_s);
