@@ -68,10 +68,10 @@ impl Detectors {
     }
 
     /// Compares the airframe's attitude and its standard deviation with the turn and climb that are flown; `None`
-    /// while there is none. Gives what to add to the standard deviations.
-    pub fn compare(&mut self, attitude: Option<(Attitude, Attitude)>, frame: &Frame) -> Attitude {
+    /// while there is none; whether a sensor is `left_out`. Gives what to add to the standard deviations.
+    pub fn compare(&mut self, attitude: Option<(Attitude, Attitude)>, left_out: bool, frame: &Frame) -> Attitude {
         self.disagree.update(attitude, &frame.aiding, frame.time);
-        self.disagree.doubt()
+        self.disagree.doubt(left_out)
     }
 
     /// Whether sensor `i` is stuck.

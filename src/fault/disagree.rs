@@ -81,9 +81,11 @@ impl Disagree {
         self.pitch.judge(self.limit, sigma.pitch, now);
     }
 
-    /// What to add to the standard deviations of roll and pitch: one of the two is wrong, and nobody knows which.
-    pub fn doubt(&self) -> Attitude {
-        let of = |d: &Difference| if d.disagrees.is_active() { 0.5 * d.mean.abs() } else { 0.0 };
+    /// What to add to the standard deviations of roll and pitch: one of the two is wrong, and nobody knows which. Where
+    /// a sensor is `left_out` it may be the wrong one, and the attitude is likely to be what is wrong.
+    pub fn doubt(&self, left_out: bool) -> Attitude {
+        let share = if left_out { 1.0 } else { 0.5 };
+        let of = |d: &Difference| if d.disagrees.is_active() { share * d.mean.abs() } else { 0.0 };
         Attitude { roll: of(&self.roll), pitch: of(&self.pitch) }
     }
 

@@ -91,7 +91,7 @@ proptest! {
             let frame = Frame { time, readings, aiding };
             let buses = [down.then_some(Missing::BusHeld), None, Some(Missing::BusGone)];
             let trusted = detectors.update(&frame, &solution, &buses[..usize::from(down) * 3]);
-            let doubt = detectors.compare(solution.attitude.filter(|_| trusted).map(|a| (a, solution.sigma)), &frame);
+            let doubt = detectors.compare(solution.attitude.filter(|_| trusted).map(|a| (a, solution.sigma)), false, &frame);
             prop_assert!(!(doubt.roll < 0.0 || doubt.pitch < 0.0));
             let mut faults = Vec::new();
             detectors.report(&mut faults);

@@ -54,7 +54,7 @@ fn a_bank_that_is_not_that_of_the_turn_is_told_and_doubted_by_half() {
     for (said_deg, flown_deg) in [(0.0, 20.0), (20.0, 0.0), (-15.0, 10.0), (0.0, -25.0)] {
         let mut flight = Flight::new();
         flight.fly(30.0, (flown_deg, 0.0), (flown_deg, 0.0));
-        assert_eq!((flight.told(), flight.disagree.doubt()), (vec![], Attitude::default()));
+        assert_eq!((flight.told(), flight.disagree.doubt(false)), (vec![], Attitude::default()));
         flight.fly(1.0, (said_deg, 0.0), (flown_deg, 0.0));
         assert_eq!(flight.told(), [], "one fix is not enough");
         flight.fly(9.0, (said_deg, 0.0), (flown_deg, 0.0));
@@ -62,11 +62,13 @@ fn a_bank_that_is_not_that_of_the_turn_is_told_and_doubted_by_half() {
         flight.fly(30.0, (said_deg, 0.0), (flown_deg, 0.0));
         let (difference, unit) = value(&told(|f| flight.disagree.report(f))[0]);
         assert!((difference - (said_deg - flown_deg)).abs() < 0.5 && unit == "°", "{difference}");
-        let doubt = flight.disagree.doubt();
+        let doubt = flight.disagree.doubt(false);
         assert!((doubt.roll.to_degrees() - 0.5 * difference.abs()).abs() < 1e-9 && doubt.pitch == 0.0, "{doubt:?}");
+        // With a sensor left out there is more to be wrong.
+        assert_eq!(flight.disagree.doubt(true), Attitude { roll: 2.0 * doubt.roll, pitch: 0.0 });
         // In accord again for a while.
         flight.fly(30.0, (flown_deg, 0.0), (flown_deg, 0.0));
-        assert_eq!((flight.told(), flight.disagree.doubt()), (vec![], Attitude::default()));
+        assert_eq!((flight.told(), flight.disagree.doubt(false)), (vec![], Attitude::default()));
     }
 }
 
@@ -118,7 +120,7 @@ fn it_ends_without_gps_and_without_an_attitude() {
     assert_eq!(silent.told(), []);
     let mut withheld = off();
     withheld.with(0.02, None, (25.0, 0.0), |_| {});
-    assert_eq!((withheld.told(), withheld.disagree.doubt()), (vec![], Attitude::default()));
+    assert_eq!((withheld.told(), withheld.disagree.doubt(false)), (vec![], Attitude::default()));
 }
 
 #[test]
@@ -129,7 +131,11 @@ fn what_is_no_number_says_nothing() {
             flight.with(30.0, Some((0.0, 0.0)), (0.0, 0.0), |a| {
                 *[&mut a.ground_speed_m_s, &mut a.course_deg, &mut a.climb_m_s, &mut a.airspeed_m_s][which] = Some(bad);
             });
-            assert_eq!((flight.told(), flight.disagree.doubt()), (vec![], Attitude::default()), "{bad} for {which}");
+            assert_eq!(
+                (flight.told(), flight.disagree.doubt(false)),
+                (vec![], Attitude::default()),
+                "{bad} for {which}"
+            );
         }
     }
 }
