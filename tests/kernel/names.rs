@@ -57,8 +57,13 @@ impl Aloft {
         let seen = cause.elapsed().as_secs_f64();
         let evidence = &status.faults.iter().find(|f| f.name == fault).unwrap().evidence;
         assert!(evidence.contains(why), "{fault}: {evidence}");
-        let severity = if given { SEVERITY_ERROR } else { SEVERITY_CRITICAL };
-        let text = self.radio.text(severity, &format!("irhorizon: {fault} ("), times);
+        // In a bank a film that has not gone far yet may be a wall as well: nothing is given until that is known.
+        let severities: &[u8] = match (given, fault.starts_with("wet-sensor")) {
+            (true, false) => &[SEVERITY_ERROR],
+            (true, true) => &[SEVERITY_ERROR, SEVERITY_CRITICAL],
+            (false, _) => &[SEVERITY_CRITICAL],
+        };
+        let text = self.radio.text(severities, &format!("irhorizon: {fault} ("), times);
         let mode = if given { "degraded" } else { "faulted" };
         let names = [&[fault], brings].concat();
         self.until(mode, |s| s.mode == mode && s.faults.len() >= names.len());
@@ -88,7 +93,7 @@ impl Aloft {
     fn well(&mut self, over: usize) {
         self.until("all is well", |s| s.mode == "nominal" && s.faults.is_empty());
         if over > 0 {
-            self.radio.text(SEVERITY_NOTICE, "irhorizon: ", over);
+            self.radio.text(&[SEVERITY_NOTICE], "irhorizon: ", over);
         }
         wait_for("no fault", || (self.daemon.property("Faults") == "as 0").then_some(()));
         assert_eq!(self.radio.state_after(Instant::now()), ACTIVE);
