@@ -1,6 +1,9 @@
 //! Faults on purpose: what each does, and that chance is the seed's.
 
-use irhorizon::config::settings::{FlightName, SimulationSettings, SkyName};
+mod calm;
+
+use calm::CALM;
+use irhorizon::config::settings::SimulationSettings;
 use irhorizon::direction::Direction;
 use irhorizon::frame::{Frame, Missing, Value};
 use irhorizon::head::{Head, Sensor, SensorKind};
@@ -9,14 +12,6 @@ use irhorizon::sky::FieldOfView;
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
 
-const CALM: SimulationSettings = SimulationSettings {
-    flight: FlightName::Demo,
-    sky: SkyName::Namibia,
-    noise_c: 0.0,
-    lag_s: 0.0,
-    seed: 1,
-    faults: Vec::new(),
-};
 const FIELD: FieldOfView = FieldOfView::Gaussian { fwhm_deg: 90.0 };
 const NOSE: usize = 0;
 const LEFT: usize = 2;

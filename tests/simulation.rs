@@ -1,7 +1,10 @@
 //! The simulated source: signs, symmetry, lag, noise, scripts, and the same bytes for the same seed.
 
+mod calm;
+
+use calm::CALM;
 use irhorizon::attitude::Attitude;
-use irhorizon::config::settings::{FlightName, SimulationSettings, SkyName};
+use irhorizon::config::settings::{SimulationSettings, SkyName};
 use irhorizon::direction::Direction;
 use irhorizon::frame::{Frame, Missing, Value};
 use irhorizon::head::{Head, Sensor, SensorKind};
@@ -12,14 +15,6 @@ use irhorizon::time::Time;
 use proptest::prelude::*;
 
 const FIELD: FieldOfView = FieldOfView::Gaussian { fwhm_deg: 90.0 };
-const CALM: SimulationSettings = SimulationSettings {
-    flight: FlightName::Demo,
-    sky: SkyName::Namibia,
-    noise_c: 0.0,
-    lag_s: 0.0,
-    seed: 1,
-    faults: Vec::new(),
-};
 const NOSE: usize = 0;
 const TAIL: usize = 1;
 const LEFT: usize = 2;

@@ -11,6 +11,7 @@ use irhorizon::mavlink::messages::Message;
 use irhorizon::mavlink::service::request::{Request, What};
 use irhorizon::mavlink::service::{Ids, Order, Replies, Service, Situation, apply};
 use irhorizon::mavlink::session::{Seen, Session};
+use irhorizon::state::Moment;
 use irhorizon::time::Time;
 use std::time::Duration;
 
@@ -73,7 +74,8 @@ pub fn serve(mut data: &[u8]) {
             let withheld = flags & 4 != 0;
             let mode = if withheld { Mode::Faulted } else { Mode::Nominal };
             let attitude = (!withheld).then(|| Attitude::from_degrees(f64::from(flags), -3.0));
-            seen = Seen { sequence: seen.sequence + 1, written: now, valid_at: now, attitude, mode, ..Seen::default() };
+            let sequence = seen.moment.sequence + 1;
+            seen.moment = Moment { sequence, written: now, valid_at: now, attitude, mode, ..Moment::default() };
         }
         let at = Situation { now, us: US, settings: &settings, seen: &seen, flying: flags & 8 != 0 };
         let (mut asked, mut answered) = (None, 0);

@@ -5,6 +5,7 @@
 //! learnt for each axis and some times ahead, from what came to be; and how far the guesses were off.
 
 use super::rates::Rate;
+use crate::estimator::linear;
 
 /// The times ahead, s.
 pub const AHEAD_S: [f64; 5] = [0.04, 0.08, 0.12, 0.16, 0.2];
@@ -95,27 +96,15 @@ impl Axis {
 
     /// The weights of least squares, drawn to those of before all learning as by a share `pull` of the terms.
     fn solve(&self, pull: f64) -> Option<[Weights; COUNT]> {
-        let (mut matrix, mut right, prior) = (self.products, self.outcomes, prior());
-        for i in 0..TERMS {
-            let pulled = pull * matrix[i][i];
-            matrix[i][i] += pulled;
-            right.iter_mut().zip(&prior).for_each(|(right, prior)| right[i] += pulled * prior[i]);
+        let (mut matrix, mut solved) = (self.products, prior());
+        for (i, row) in matrix.iter_mut().enumerate() {
+            row[i] *= 1.0 + pull;
         }
-        for i in 0..TERMS {
-            let pivot = matrix[i];
-            if pivot[i] < f64::MIN_POSITIVE || !pivot[i].is_finite() {
-                return None;
-            }
-            for j in 0..TERMS {
-                let share = matrix[j][i] / pivot[i];
-                if j != i {
-                    matrix[j].iter_mut().zip(&pivot).for_each(|(entry, p)| *entry -= share * p);
-                    right.iter_mut().for_each(|right| right[j] -= share * right[i]);
-                }
-            }
+        for (weights, outcomes) in solved.iter_mut().zip(&self.outcomes) {
+            let right = std::array::from_fn(|i| outcomes[i] + pull * self.products[i][i] * weights[i]);
+            *weights = linear::solve(matrix, right)?;
         }
-        let solved = right.map(|right| std::array::from_fn(|i| right[i] / matrix[i][i]));
-        solved.iter().flatten().all(|w: &f64| w.is_finite()).then_some(solved)
+        solved.iter().flatten().all(|w| w.is_finite()).then_some(solved)
     }
 }
 

@@ -19,6 +19,7 @@ pub mod contrast_vector;
 pub mod field;
 pub mod flying;
 pub mod inverse_sine;
+pub mod linear;
 pub mod noise;
 pub mod normal;
 pub mod profile;

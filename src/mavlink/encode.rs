@@ -57,6 +57,7 @@ mod tests {
     use crate::fault::FaultKind;
     use crate::head::Head;
     use crate::mavlink::session::Seen;
+    use crate::state::Moment;
     use crate::time::Time;
     use ::mavlink::MavlinkVersion;
     use ::mavlink::dialects::common::{MavMessage, MavState};
@@ -67,7 +68,8 @@ mod tests {
     }
 
     fn attitude(valid_at: Time, attitude: Attitude) -> Option<Message> {
-        messages::attitude(&Seen { valid_at, attitude: Some(attitude), ..Seen::default() })
+        let moment = Moment { valid_at, attitude: Some(attitude), ..Moment::default() };
+        messages::attitude(&Seen { moment, ..Seen::default() })
     }
 
     /// CRC-16/MCRF4XX, bit by bit: polynomial 0x1021 reflected, initial 0xffff.

@@ -91,11 +91,11 @@ pub fn run(shared: &Shared, switchboard: &Switchboard) {
         if ready.bell {
             bell.hush();
         }
-        let sent = seen.sequence;
-        let (stopping, current, newest, before) = {
+        let sent = seen.moment.sequence;
+        let (stopping, current, before) = {
             let snapshot = shared.lock();
             seen.copy(&snapshot);
-            (snapshot.stopping, snapshot.generation, snapshot.moment(), snapshot.before)
+            (snapshot.stopping, snapshot.generation, snapshot.before)
         };
         seen.yaw = station.yaw(now);
         if generation != Some(current) {
@@ -110,13 +110,14 @@ pub fn run(shared: &Shared, switchboard: &Switchboard) {
             return;
         }
         // A thread that is woken late has a few frames to tell of; of those before them nobody asks any more.
-        for moment in before.iter().rev().filter(|moment| moment.sequence > sent) {
-            seen.go_to(moment);
+        let newest = seen.moment;
+        for moment in before.into_iter().rev().filter(|moment| moment.sequence > sent) {
+            seen.moment = moment;
             for (i, link) in links.iter_mut().enumerate() {
                 link.passed_over(now, i, &seen, &mut station);
             }
         }
-        seen.go_to(&newest);
+        seen.moment = newest;
         // What goes out does not wait for what has come in.
         for (i, link) in links.iter_mut().enumerate() {
             link.step(now, i, &seen, &mut station);

@@ -10,7 +10,7 @@ mod rates;
 pub use rates::IntervalError;
 
 use super::messages::{self, Message};
-use crate::attitude::{Attitude, Mode};
+use crate::attitude::Attitude;
 use crate::config::settings::Streams;
 use crate::fault::{ActiveFault, Evidence, FaultKind, FaultName};
 use crate::state::{Moment, Snapshot};
@@ -35,22 +35,10 @@ const TEXTS_PER_S: u32 = 8;
 /// What is told, copied out of the shared state: a few words and the list of faults.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Seen {
-    /// Counts frames; 0 before the first.
-    pub sequence: u64,
-    /// When the newest frame was written.
-    pub written: Time,
-    /// The newest conversion in the estimate.
-    pub time: Time,
-    /// The moment that the attitude speaks of.
-    pub valid_at: Time,
-    /// Roll and pitch, or nothing while they are withheld.
-    pub attitude: Option<Attitude>,
-    /// Their standard deviations, rad.
-    pub sigma: Attitude,
+    /// The attitude, and of which frame.
+    pub moment: Moment,
     /// The contrast, K.
     pub contrast_k: Option<f64>,
-    /// How far to trust it.
-    pub mode: Mode,
     /// What speaks against it.
     pub faults: Vec<ActiveFault>,
     /// What was learnt of the trim beyond the configured one, rad.
@@ -63,17 +51,10 @@ impl Seen {
     /// Takes in a snapshot; allocates only when there are more faults than ever before.
     pub fn copy(&mut self, snapshot: &Snapshot) {
         let estimate = &snapshot.estimate;
-        self.go_to(&snapshot.moment());
+        self.moment = snapshot.moment();
         self.contrast_k = estimate.contrast_k;
         self.trim = estimate.trim;
         self.faults.clone_from(&estimate.faults);
-    }
-
-    /// Goes to another frame, as far as the attitude is concerned.
-    pub fn go_to(&mut self, moment: &Moment) {
-        let Moment { sequence, written, time, valid_at, attitude, sigma, mode } = *moment;
-        (self.sequence, self.written, self.time, self.valid_at) = (sequence, written, time, valid_at);
-        (self.attitude, self.sigma, self.mode) = (attitude, sigma, mode);
     }
 }
 
@@ -164,7 +145,7 @@ impl Session {
         let dead = self.age_s(now, seen) >= DEAD_AFTER_S;
         let message = match id {
             HEARTBEAT_DATA::ID => Some(self.heartbeat(dead, seen)),
-            SYS_STATUS_DATA::ID => Some(messages::sys_status(!dead && messages::healthy(seen.mode))),
+            SYS_STATUS_DATA::ID => Some(messages::sys_status(!dead && messages::healthy(seen.moment.mode))),
             // What is wrong is told by the next step, once more.
             STATUSTEXT_DATA::ID => {
                 self.told.clear();
@@ -206,8 +187,8 @@ impl Session {
             return;
         }
         let dead = age_s >= DEAD_AFTER_S;
-        if seen.sequence != self.sequence {
-            self.sequence = seen.sequence;
+        if seen.moment.sequence != self.sequence {
+            self.sequence = seen.moment.sequence;
             if !dead {
                 self.measured(seen, &mut send);
             }
@@ -218,7 +199,7 @@ impl Session {
             self.told.clear();
             self.told_withheld = false;
         }
-        let healthy = !dead && messages::healthy(seen.mode);
+        let healthy = !dead && messages::healthy(seen.moment.mode);
         let changed = self.rates.sys_status.rate() != Rate::Never && self.healthy != Some(healthy);
         if self.rates.sys_status.due(now) || changed {
             self.healthy = Some(healthy);
@@ -235,21 +216,21 @@ impl Session {
 
     /// Gives `send` the attitude of a frame that was passed over: a newer one is there already.
     pub fn passed_over(&mut self, now: Time, seen: &Seen, mut send: impl FnMut(&Message)) {
-        if seen.sequence > self.sequence && self.age_s(now, seen) < DEAD_AFTER_S {
-            self.sequence = seen.sequence;
+        if seen.moment.sequence > self.sequence && self.age_s(now, seen) < DEAD_AFTER_S {
+            self.sequence = seen.moment.sequence;
             self.measured(seen, &mut send);
         }
     }
 
     fn age_s(&self, now: Time, seen: &Seen) -> f64 {
-        now.since(if seen.sequence == 0 { self.started } else { seen.written })
+        now.since(if seen.moment.sequence == 0 { self.started } else { seen.moment.written })
     }
 
     fn heartbeat(&self, dead: bool, seen: &Seen) -> Message {
-        messages::heartbeat(match (dead, seen.sequence) {
+        messages::heartbeat(match (dead, seen.moment.sequence) {
             (true, _) => MavState::MAV_STATE_CRITICAL,
             (false, 0) => MavState::MAV_STATE_BOOT,
-            (false, _) => messages::state(seen.mode),
+            (false, _) => messages::state(seen.moment.mode),
         })
     }
 
@@ -259,10 +240,10 @@ impl Session {
         if let Some(sigma) = messages::sigma(seen).filter(|_| !dead) {
             send(&sigma);
         }
-        let contrast = seen.contrast_k.filter(|k| k.is_finite() && self.contrast_time != Some(seen.time));
+        let contrast = seen.contrast_k.filter(|k| k.is_finite() && self.contrast_time != Some(seen.moment.time));
         if let Some(contrast_k) = contrast {
-            self.contrast_time = Some(seen.time);
-            send(&messages::contrast(seen.time, contrast_k));
+            self.contrast_time = Some(seen.moment.time);
+            send(&messages::contrast(seen.moment.time, contrast_k));
         }
     }
 
@@ -272,7 +253,7 @@ impl Session {
             return;
         }
         let Rates { attitude, quaternion, covariance, .. } = &mut self.rates;
-        let time = seen.valid_at;
+        let time = seen.moment.valid_at;
         let forms: [(_, Form); 3] =
             [(attitude, messages::attitude), (quaternion, messages::quaternion), (covariance, messages::covariance)];
         for (pace, form) in forms {
@@ -312,7 +293,7 @@ impl Session {
             }
             keep
         });
-        let withheld = !messages::healthy(seen.mode) || dead.is_some();
+        let withheld = !messages::healthy(seen.moment.mode) || dead.is_some();
         if withheld && !self.told_withheld && active().all(|(k, _)| told.contains(&k)) {
             told.clear();
         }

@@ -51,11 +51,11 @@ impl Radio {
         format!("[[mavlink.endpoint]]\naddress = \"udpout:127.0.0.1:{}\"\n", self.port)
     }
 
-    /// Waits for a text of one of these severities that begins so, number `times`.
-    pub fn text(&self, severities: &[u8], begins: &str, times: usize) -> String {
-        wait_for(&format!("{times} texts of severity {severities:?} that begin with {begins:?}"), || {
+    /// Waits for a text of this severity that begins so, number `times`.
+    pub fn text(&self, severity: u8, begins: &str, times: usize) -> String {
+        wait_for(&format!("{times} texts of severity {severity} that begin with {begins:?}"), || {
             let heard = self.heard.lock().unwrap();
-            let mut texts = heard.texts.iter().filter(|(s, t)| severities.contains(s) && t.starts_with(begins));
+            let mut texts = heard.texts.iter().filter(|(s, t)| *s == severity && t.starts_with(begins));
             texts.nth(times - 1).map(|(_, text)| text.clone())
         })
     }

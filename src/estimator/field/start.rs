@@ -3,6 +3,7 @@
 use super::model::{Model, Scene};
 use super::state::MAX_SENSORS;
 use super::tuning::Tuning;
+use crate::estimator::linear::solve;
 use crate::estimator::vector::{Vector, cross, dot, length, product, rotation, unit};
 
 /// Steps of each descent.
@@ -114,29 +115,4 @@ fn misfit(model: &Model, readings: &[Option<f64>; MAX_SENSORS], at: &Start, dept
     let doubt = ((at.scene.ln_depth - depth.0) / depth.1 * DOUBT_K).powi(2);
     let of = |i: usize| readings[i].map_or(0.0, |r| (r - model.seen(i, &at.axes, &at.scene).value).powi(2));
     (doubt + (0..model.sensors()).map(of).sum::<f64>()) / model.sensors() as f64
-}
-
-/// Gaussian elimination with pivots; `None` where the matrix is singular.
-fn solve(mut m: [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
-    for k in 0..N {
-        let pivot = (k..N).max_by(|a, b| m[*a][k].abs().total_cmp(&m[*b][k].abs()))?;
-        m.swap(k, pivot);
-        right.swap(k, pivot);
-        if m[k][k].abs() < 1e-12 || !m[k][k].is_finite() {
-            return None;
-        }
-        for r in k + 1..N {
-            let f = m[r][k] / m[k][k];
-            let row = m[k];
-            for (v, p) in m[r].iter_mut().zip(row).skip(k) {
-                *v -= f * p;
-            }
-            right[r] -= f * right[k];
-        }
-    }
-    for k in (0..N).rev() {
-        let rest: f64 = (k + 1..N).map(|c| m[k][c] * right[c]).sum();
-        right[k] = (right[k] - rest) / m[k][k];
-    }
-    Some(right)
 }

@@ -13,7 +13,7 @@ const UNKNOWN_YAW: f64 = PI * PI / 3.0;
 
 /// Roll, pitch and yaw, rad, if all of them are numbers.
 fn angles(seen: &Seen) -> Option<[f64; 3]> {
-    let attitude = seen.attitude?;
+    let attitude = seen.moment.attitude?;
     let yaw = seen.yaw.filter(|y| y.is_finite()).map_or(0.0, f64::from);
     let angles = [attitude.roll, attitude.pitch, yaw];
     angles.iter().all(|a| a.is_finite()).then_some(angles)
@@ -35,7 +35,7 @@ fn rotation([roll, pitch, yaw]: [f64; 3]) -> [f32; 4] {
 pub fn attitude(seen: &Seen) -> Option<Message> {
     let [roll, pitch, yaw] = angles(seen)?;
     Some(Message::Attitude(ATTITUDE_DATA {
-        time_boot_ms: time_boot_ms(seen.valid_at),
+        time_boot_ms: time_boot_ms(seen.moment.valid_at),
         roll: roll as f32,
         pitch: pitch as f32,
         yaw: yaw as f32,
@@ -47,7 +47,7 @@ pub fn attitude(seen: &Seen) -> Option<Message> {
 pub fn quaternion(seen: &Seen) -> Option<Message> {
     let [q1, q2, q3, q4] = rotation(angles(seen)?);
     Some(Message::Quaternion(ATTITUDE_QUATERNION_DATA {
-        time_boot_ms: time_boot_ms(seen.valid_at),
+        time_boot_ms: time_boot_ms(seen.moment.valid_at),
         q1,
         q2,
         q3,
@@ -60,13 +60,14 @@ pub fn quaternion(seen: &Seen) -> Option<Message> {
 /// rad², uncorrelated; that of yaw is of a heading not known, whatever was handed in.
 pub fn covariance(seen: &Seen) -> Option<Message> {
     let q = rotation(angles(seen)?);
-    let (roll, pitch) = (seen.sigma.roll * seen.sigma.roll, seen.sigma.pitch * seen.sigma.pitch);
+    let (roll, pitch) =
+        (seen.moment.sigma.roll * seen.moment.sigma.roll, seen.moment.sigma.pitch * seen.moment.sigma.pitch);
     if !(roll as f32).is_finite() || !(pitch as f32).is_finite() {
         return None;
     }
     let mut covariance = [0.0; 9];
     (covariance[0], covariance[4], covariance[8]) = (roll as f32, pitch as f32, UNKNOWN_YAW as f32);
-    let time_usec = seen.valid_at.as_micros();
+    let time_usec = seen.moment.valid_at.as_micros();
     Some(Message::Covariance(ATTITUDE_QUATERNION_COV_DATA {
         time_usec,
         q,
@@ -79,13 +80,15 @@ pub fn covariance(seen: &Seen) -> Option<Message> {
 mod tests {
     use super::*;
     use crate::attitude::Attitude;
+    use crate::state::Moment;
     use crate::time::Time;
     use proptest::prelude::*;
 
     fn seen(roll: f64, pitch: f64, yaw: Option<f32>) -> Seen {
         let valid_at = Time::from_nanos(12_345_678_999);
         let sigma = Attitude { roll: 0.03, pitch: 0.05 };
-        Seen { attitude: Some(Attitude { roll, pitch }), sigma, yaw, valid_at, ..Seen::default() }
+        let attitude = Some(Attitude { roll, pitch });
+        Seen { moment: Moment { attitude, sigma, valid_at, ..Moment::default() }, yaw, ..Seen::default() }
     }
 
     #[test]
@@ -94,10 +97,12 @@ mod tests {
             let seen = seen(roll, pitch, None);
             assert_eq!((attitude(&seen), quaternion(&seen), covariance(&seen)), (None, None, None));
         }
-        let withheld = Seen { attitude: None, ..seen(0.0, 0.0, None) };
+        let mut withheld = seen(0.0, 0.0, None);
+        withheld.moment.attitude = None;
         assert_eq!((attitude(&withheld), quaternion(&withheld), covariance(&withheld)), (None, None, None));
         for sigma in [f64::NAN, f64::INFINITY, 1e30] {
-            let unsure = Seen { sigma: Attitude { roll: sigma, pitch: 0.1 }, ..seen(0.1, 0.1, None) };
+            let mut unsure = seen(0.1, 0.1, None);
+            unsure.moment.sigma = Attitude { roll: sigma, pitch: 0.1 };
             assert!(covariance(&unsure).is_none() && quaternion(&unsure).is_some());
         }
     }

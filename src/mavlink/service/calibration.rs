@@ -50,11 +50,11 @@ fn level(seen: &Seen, flying: bool) -> Result<Vector, Reason> {
     if flying {
         return Err("no level calibration in flight");
     }
-    let attitude = seen.attitude.ok_or("no level calibration without attitude")?;
-    if seen.mode != Mode::Nominal {
+    let attitude = seen.moment.attitude.ok_or("no level calibration without attitude")?;
+    if seen.moment.mode != Mode::Nominal {
         return Err("no level calibration while degraded");
     }
-    let sure = [seen.sigma.roll, seen.sigma.pitch].iter().all(|s| s.abs() <= SURE_DEG.to_radians());
+    let sure = [seen.moment.sigma.roll, seen.moment.sigma.pitch].iter().all(|s| s.abs() <= SURE_DEG.to_radians());
     let vertical = attitude.vertical();
     if !(sure && vertical.iter().all(|c| c.is_finite())) {
         return Err("no level calibration: unsure attitude");
@@ -66,7 +66,7 @@ impl Calibration {
     /// Begins at `now`, if it can.
     pub fn begin(now: Time, seen: &Seen, flying: bool) -> Result<Self, Reason> {
         let first = level(seen, flying)?;
-        Ok(Self { started: now, newest: now, valid_at: seen.valid_at, first, sum: [0.0; 3], count: 0 })
+        Ok(Self { started: now, newest: now, valid_at: seen.moment.valid_at, first, sum: [0.0; 3], count: 0 })
     }
 
     /// Takes in what is seen at `now`.
@@ -75,11 +75,11 @@ impl Calibration {
             Ok(vertical) => vertical,
             Err(reason) => return Progress::Failed(reason),
         };
-        if seen.valid_at != self.valid_at {
+        if seen.moment.valid_at != self.valid_at {
             if dot(vertical, self.first) < STILL_DEG.to_radians().cos() {
                 return Progress::Failed("level calibration failed: it moved");
             }
-            self.valid_at = seen.valid_at;
+            self.valid_at = seen.moment.valid_at;
             self.newest = now;
             self.count += 1;
             self.sum = std::array::from_fn(|i| self.sum[i] + vertical[i]);
@@ -117,6 +117,7 @@ pub fn trim(shown: Attitude, trim: Attitude, turned: bool) -> Attitude {
 mod tests {
     use super::*;
     use crate::estimator::trim::level as taken_off;
+    use crate::state::Moment;
     use proptest::prelude::*;
 
     fn at(secs: f64) -> Time {
@@ -124,13 +125,21 @@ mod tests {
     }
 
     fn seen(secs: f64, roll_deg: f64, pitch_deg: f64) -> Seen {
-        Seen {
+        let moment = Moment {
             valid_at: at(secs),
             attitude: Some(Attitude::from_degrees(roll_deg, pitch_deg)),
             sigma: Attitude::from_degrees(1.0, 2.0),
             mode: Mode::Nominal,
-            ..Seen::default()
-        }
+            ..Moment::default()
+        };
+        Seen { moment, ..Seen::default() }
+    }
+
+    /// Level, but for what `change` does.
+    fn spoilt(secs: f64, change: impl Fn(&mut Moment)) -> Seen {
+        let mut seen = seen(secs, 0.0, 0.0);
+        change(&mut seen.moment);
+        seen
     }
 
     /// Runs it over what `at_step` shows, 10 times a second; the last word and when it was said.
@@ -166,9 +175,9 @@ mod tests {
         assert_eq!(why(|s| (seen(s, 4.0, -2.0), s > 2.05)), (2.1, "flight"));
         assert_eq!(why(|s| (seen(s, if s > 3.05 { 9.0 } else { 4.0 }, -2.0), false)), (3.1, "moved"));
         assert_eq!(why(|s| (seen(s.min(2.0), 4.0, -2.0), false)), (3.0, "attitude"));
-        assert_eq!(why(|s| (Seen { attitude: None, ..seen(s, 0.0, 0.0) }, false)), (0.1, "attitude"));
-        assert_eq!(why(|s| (Seen { mode: Mode::Degraded, ..seen(s, 0.0, 0.0) }, false)), (0.1, "degraded"));
-        let unsure = |s| (Seen { sigma: Attitude::from_degrees(1.0, f64::NAN), ..seen(s, 0.0, 0.0) }, false);
+        assert_eq!(why(|s| (spoilt(s, |m| m.attitude = None), false)), (0.1, "attitude"));
+        assert_eq!(why(|s| (spoilt(s, |m| m.mode = Mode::Degraded), false)), (0.1, "degraded"));
+        let unsure = |s| (spoilt(s, |m| m.sigma = Attitude::from_degrees(1.0, f64::NAN)), false);
         assert_eq!(why(unsure), (0.1, "attitude"));
         assert!(Calibration::begin(at(0.0), &seen(0.0, 0.0, 0.0), true).is_err());
     }

@@ -2,6 +2,7 @@ use super::request::{Command, ParamId};
 use super::*;
 use crate::attitude::{Attitude, Mode};
 use crate::config::settings::{EndpointAddress, EndpointSettings, Streams};
+use crate::state::Moment;
 use ::mavlink::dialects::common::{MavParamError, MavResult};
 use proptest::prelude::*;
 
@@ -40,17 +41,16 @@ impl Bench {
 
     /// A good attitude of 4° and -2°.
     fn look(&mut self, secs: f64) {
-        self.seen = Seen {
-            sequence: self.seen.sequence + 1,
+        let moment = Moment {
+            sequence: self.seen.moment.sequence + 1,
             written: at(secs),
             time: at(secs),
             valid_at: at(secs),
             attitude: Some(Attitude::from_degrees(4.0, -2.0)),
             sigma: Attitude::from_degrees(1.0, 1.0),
-            contrast_k: Some(20.0),
             mode: Mode::Nominal,
-            ..Seen::default()
         };
+        self.seen = Seen { moment, contrast_k: Some(20.0), ..Seen::default() };
     }
 
     fn ask(&mut self, secs: f64, from: Ids, target: Ids, what: What) -> Replies {
@@ -160,7 +160,7 @@ fn every_message_that_is_sent_can_be_asked_for() {
     for bad in [33.0, 0.5, -1.0, f32::NAN, f32::INFINITY, 1e9] {
         assert_eq!(acks(&bench.command(512, params([bad]))), [(512, DENIED)], "message {bad}");
     }
-    bench.seen.attitude = None;
+    bench.seen.moment.attitude = None;
     for attitude in [30.0, 31.0, 61.0] {
         let replies = bench.command(512, params([attitude]));
         assert_eq!((replies.messages.len(), acks(&replies)), (1, vec![(512, REJECTED)]));

@@ -210,7 +210,7 @@ impl Rates {
 
 /// Whether the attitude in `seen` is of a moment other than `last`.
 pub fn is_new(seen: &Seen, last: Option<Time>) -> bool {
-    seen.attitude.is_some() && last != Some(seen.valid_at)
+    seen.moment.attitude.is_some() && last != Some(seen.moment.valid_at)
 }
 
 #[cfg(test)]

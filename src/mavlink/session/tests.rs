@@ -1,4 +1,5 @@
 use super::*;
+use crate::attitude::Mode;
 use crate::frame::Missing;
 use crate::head::Head;
 use ::mavlink::dialects::common::MavSeverity;
@@ -10,17 +11,23 @@ fn at(secs: f64) -> Time {
 
 /// A frame that is fresh at `secs`.
 fn frame(sequence: u64, secs: f64) -> Seen {
-    Seen {
+    let moment = Moment {
         sequence,
         written: at(secs),
         time: at(secs - 0.002),
         valid_at: at(secs - 0.002),
         attitude: Some(Attitude::from_degrees(10.0, 5.0)),
         sigma: Attitude::from_degrees(1.0, 1.0),
-        contrast_k: Some(20.0),
         mode: Mode::Nominal,
-        ..Seen::default()
-    }
+    };
+    Seen { moment, contrast_k: Some(20.0), ..Seen::default() }
+}
+
+/// A frame with these faults, its attitude changed.
+fn but(seen: Seen, faults: &[ActiveFault], change: impl FnOnce(&mut Moment)) -> Seen {
+    let mut seen = Seen { faults: faults.to_vec(), ..seen };
+    change(&mut seen.moment);
+    seen
 }
 
 fn lost(sensor: usize) -> ActiveFault {
@@ -90,7 +97,7 @@ fn the_state_tells_the_mode() {
         (Mode::Faulted, MavState::MAV_STATE_CRITICAL),
     ];
     for (mode, state) in table {
-        let seen = Seen { mode, ..frame(1, 0.0) };
+        let seen = but(frame(1, 0.0), &[], |m| m.mode = mode);
         assert_eq!(states(&step(&mut Session::new(at(0.0), 0, &Streams::default()), 0.0, &seen)), [state]);
     }
 }
@@ -101,14 +108,14 @@ fn no_attitude_while_it_is_withheld_and_never_the_last_one() {
     assert_eq!(attitudes(&step(&mut session, 0.0, &frame(1, 0.0))), 1);
     for i in 1..100_u32 {
         let secs = f64::from(i) * 0.02;
-        let seen = Seen { attitude: None, mode: Mode::Faulted, ..frame(u64::from(i) + 1, secs) };
+        let seen = but(frame(u64::from(i) + 1, secs), &[], |m| (m.attitude, m.mode) = (None, Mode::Faulted));
         let sent = step(&mut session, secs, &seen);
         assert_eq!(attitudes(&sent), 0);
         assert!(values(&sent, "ir_qual").iter().all(|q| *q == 0.0));
     }
     assert_eq!(attitudes(&step(&mut session, 2.0, &frame(101, 2.0))), 1);
     // A frame without a new measurement.
-    assert_eq!(attitudes(&step(&mut session, 2.02, &Seen { valid_at: at(1.998), ..frame(102, 2.02) })), 0);
+    assert_eq!(attitudes(&step(&mut session, 2.02, &but(frame(102, 2.02), &[], |m| m.valid_at = at(1.998)))), 0);
     // The frame that was there when the stream began.
     assert_eq!(attitudes(&step(&mut Session::new(at(2.03), 102, &Streams::default()), 2.03, &frame(102, 2.02))), 0);
 }
@@ -172,11 +179,11 @@ fn a_fault_is_told_when_it_comes_and_when_it_goes() {
     use MavSeverity::{MAV_SEVERITY_CRITICAL as CRITICAL, MAV_SEVERITY_ERROR as ERROR};
     let mut session = Session::new(at(0.0), 0, &Streams::default());
     assert!(texts(&step(&mut session, 0.0, &frame(1, 0.0))).is_empty());
-    let one = Seen { faults: vec![lost(0)], mode: Mode::Degraded, ..frame(2, 0.02) };
+    let one = but(frame(2, 0.02), &[lost(0)], |m| m.mode = Mode::Degraded);
     assert_eq!(texts(&step(&mut session, 0.02, &one)), [(ERROR, "irhorizon: sensor-lost:nose (no answer)".into())]);
-    let two = Seen { faults: vec![lost(0), lost(1)], attitude: None, mode: Mode::Faulted, ..frame(3, 0.04) };
+    let two = but(frame(3, 0.04), &[lost(0), lost(1)], |m| (m.attitude, m.mode) = (None, Mode::Faulted));
     assert_eq!(texts(&step(&mut session, 0.04, &two)), [(CRITICAL, "irhorizon: sensor-lost:tail (no answer)".into())]);
-    assert!(texts(&step(&mut session, 0.06, &Seen { sequence: 4, ..two })).is_empty());
+    assert!(texts(&step(&mut session, 0.06, &but(two, &[lost(0), lost(1)], |m| m.sequence = 4))).is_empty());
     let gone: Vec<String> = texts(&step(&mut session, 0.08, &frame(5, 0.08))).into_iter().map(|t| t.1).collect();
     assert_eq!(gone, ["irhorizon: sensor-lost:nose cleared", "irhorizon: sensor-lost:tail cleared"]);
 }
@@ -187,7 +194,7 @@ fn a_fault_whose_attitude_is_held_is_told_again_when_that_is_lost() {
     let mut session = Session::new(at(0.0), 0, &Streams::default());
     let mut said = |sequence, secs, mode| {
         let attitude = (mode == Mode::Degraded).then(Attitude::default);
-        let seen = Seen { faults: vec![lost(0)], mode, attitude, ..frame(sequence, secs) };
+        let seen = but(frame(sequence, secs), &[lost(0)], |m| (m.attitude, m.mode) = (attitude, mode));
         texts(&step(&mut session, secs, &seen)).into_iter().map(|t| t.0).collect::<Vec<_>>()
     };
     assert_eq!(said(1, 0.0, Mode::Degraded), [ERROR]);
@@ -199,12 +206,12 @@ fn a_fault_whose_attitude_is_held_is_told_again_when_that_is_lost() {
 #[test]
 fn what_is_shown_in_place_of_an_attitude_goes_out_with_a_critical_heartbeat_and_no_quality() {
     let mut session = Session::new(at(0.0), 0, &Streams::default());
-    let seen = Seen { faults: vec![lost(0)], mode: Mode::Faulted, ..frame(1, 0.0) };
+    let seen = but(frame(1, 0.0), &[lost(0)], |m| m.mode = Mode::Faulted);
     let sent = step(&mut session, 0.0, &seen);
     assert_eq!((attitudes(&sent), states(&sent)), (1, vec![MavState::MAV_STATE_CRITICAL]));
     assert_eq!((values(&sent, "ir_qual"), texts(&sent)[0].0), (vec![0.0], MavSeverity::MAV_SEVERITY_CRITICAL));
     // Not measured anew, and of a later moment.
-    let later = Seen { time: seen.time, ..Seen { sequence: 2, valid_at: at(0.02), ..seen } };
+    let later = but(seen, &[lost(0)], |m| (m.sequence, m.valid_at) = (2, at(0.02)));
     assert_eq!(attitudes(&step(&mut session, 0.02, &later)), 1);
 }
 
@@ -220,7 +227,8 @@ fn sys_status_is_sent_if_wanted_each_second_and_at_once_when_health_changes() {
     let mut plain = Session::new(at(0.0), 0, &Streams::default());
     assert_eq!(health(&step(&mut plain, 0.0, &frame(1, 0.0))), []);
     let mut session = Session::new(at(0.0), 0, &Streams::default()).with_sys_status(true);
-    let mut said = |sequence, secs, mode| health(&step(&mut session, secs, &Seen { mode, ..frame(sequence, secs) }));
+    let mut said =
+        |sequence, secs, mode| health(&step(&mut session, secs, &but(frame(sequence, secs), &[], |m| m.mode = mode)));
     // Bit 21 of MAV_SYS_STATUS_SENSOR; no battery is 65535 mV.
     let (well, ill) = ((1 << 21, 65535), (0, 65535));
     assert_eq!(said(1, 0.0, Mode::Starting), [ill]);
@@ -285,15 +293,15 @@ proptest! {
         for (pause, scanned, measured, withheld) in steps {
             now += pause;
             if scanned {
-                let time = if measured { at(now) } else { seen.time };
-                seen = Seen { time, valid_at: time, ..frame(seen.sequence + 1, now) };
+                let time = if measured { at(now) } else { seen.moment.time };
+                seen = but(frame(seen.moment.sequence + 1, now), &[], |m| (m.time, m.valid_at) = (time, time));
                 if withheld || time == Time::default() {
-                    seen.attitude = None;
+                    seen.moment.attitude = None;
                 }
             }
             for message in step(&mut session, now, &seen) {
                 if let Message::Attitude(a) = message {
-                    prop_assert!(scanned && seen.attitude.is_some());
+                    prop_assert!(scanned && seen.moment.attitude.is_some());
                     stamps.push(a.time_boot_ms);
                 }
             }
