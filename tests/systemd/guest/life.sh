@@ -47,10 +47,13 @@ killed() {
 	local before
 	before=$(main_pid)
 	kill -9 "$before"
-	soon 2 "attitude of a new process" newer_attitude "$before"
+	soon 2 "attitude" ready
+	of_another "$before"
 	show
 }
-newer_attitude() { [ "$(main_pid)" != "$1" ] && attitude 20; }
+# One process that waits: at this pace, to start one for each look would be most of the time.
+ready() { nobody irhorizonctl wait-ready --mode degraded --timeout 30; }
+of_another() { [ "$(main_pid)" != "$1" ] && attitude 20; }
 
 bitten() { [ "$(main_pid)" != "$1" ]; }
 stopped() {
@@ -60,7 +63,8 @@ stopped() {
 	kill -STOP "$before"
 	# WatchdogSec=5 is of the clock, whatever the pace.
 	within 10 "the watchdog bites" bitten "$before"
-	soon 2 "attitude of a new process" newer_attitude "$before"
+	soon 2 "attitude" ready
+	of_another "$before"
 	journalctl --after-cursor="$cursor" -o cat --no-pager | grep -i watchdog
 }
 
@@ -68,7 +72,8 @@ dbus_restarted() {
 	local before
 	before=$(main_pid)
 	systemctl restart dbus
-	soon 2 "properties" attitude 20
+	soon 2 "properties" ready
+	attitude 20
 	[ "$(main_pid)" = "$before" ]
 }
 
