@@ -5,7 +5,7 @@ mod dbus_bus;
 
 use dbus_bus::Bus;
 use irhorizon::config::{Loaded, parse};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::fs;
 use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
@@ -309,6 +309,17 @@ fn the_readme_s_first_steps_work() {
     fs::copy(root().join("packaging/irhorizon.toml"), stage.bus.dir.join("packaging/irhorizon.toml")).unwrap();
     let script = steps.join("\n").replace("target/release/irhorizonctl", ctl);
     assert!(stage.run(&script).starts_with("my.toml: ok\n"), "{script}");
+}
+
+/// A row that is there twice stands in another's place.
+#[test]
+fn no_row_of_a_table_is_there_twice() {
+    for (name, text) in pages() {
+        let mut seen = HashSet::new();
+        for row in text.lines().filter(|l| l.starts_with("| ") && l.contains(|c: char| c.is_ascii_digit())) {
+            assert!(seen.insert(row), "{name}: {row}");
+        }
+    }
 }
 
 #[test]
