@@ -80,7 +80,7 @@ const KNOWN: [(&str, &str, f64); 13] = [
     ("namibia with rates and GPS", "2 sigma", 98.00),
     ("overcast with rates and GPS", "2 sigma", 98.00),
     ("scattered without aiding", "2 sigma", 98.00),
-    ("warm-sky with rates and GPS", "2 sigma", 90.50),
+    ("warm-sky with rates and GPS", "2 sigma", 87.50),
     ("warm-sky without aiding", "2 sigma", 98.00),
 ];
 
@@ -225,7 +225,7 @@ fn axes_that_are_1_degree_askew() {
 
 #[test]
 fn axes_that_are_1_degree_askew_under_an_overcast() {
-    with_rates("overcast", askew(1.0), ([0.45, 0.45], 80.0));
+    with_rates("overcast", askew(1.0), ([0.45, 0.45], 79.0));
 }
 
 #[test]

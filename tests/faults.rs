@@ -4,38 +4,39 @@
 mod events;
 
 use events::event::{self, Event};
-use events::flown::AIDING;
+use events::flown::{AIDING, fly, under};
 use events::outcome::run;
 use events::quiet::{self, Alarm};
 use events::report::{self, Asked};
 
 /// What is known to be missed, said in docs/faults.md: in how many of the flights what is asked must be reached
 /// nevertheless.
-const KNOWN: [(&str, &str, &str, usize); 25] = [
+const KNOWN: [(&str, &str, &str, usize); 26] = [
     ("film on one sensor, 92 % in 3 s", "without aiding", "seen in time", 22),
     ("film on one sensor, 92 % in 3 s", "without aiding", "nothing else said", 17),
     ("film on one sensor, 92 % in 3 s", "without aiding", "error", 12),
-    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "seen in time", 18),
+    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "seen in time", 19),
     ("film on one sensor, 92 % in 3 s", "with rates and GPS", "nothing else said", 15),
-    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "error", 18),
+    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "error", 19),
     ("lost sensor", "without aiding", "error", 19),
     ("ridge of 25° on one side, in 3 s", "without aiding", "seen in time", 9),
     ("ridge of 25° on one side, in 3 s", "without aiding", "nothing else said", 20),
     ("ridge of 25° on one side, in 3 s", "without aiding", "2 sigma", 8),
-    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "seen in time", 8),
-    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "error", 15),
+    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "seen in time", 14),
+    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "nothing else said", 23),
+    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "error", 23),
     ("stuck sensor", "without aiding", "seen in time", 21),
     ("stuck sensor", "without aiding", "nothing else said", 21),
     ("stuck sensor", "without aiding", "error", 13),
-    ("stuck sensor", "with rates and GPS", "seen in time", 21),
-    ("stuck sensor", "with rates and GPS", "nothing else said", 20),
-    ("stuck sensor", "with rates and GPS", "error", 17),
+    ("stuck sensor", "with rates and GPS", "seen in time", 22),
+    ("stuck sensor", "with rates and GPS", "nothing else said", 21),
+    ("stuck sensor", "with rates and GPS", "error", 20),
     ("valley of 35°, in 3 s", "without aiding", "seen in time", 7),
     ("valley of 35°, in 3 s", "without aiding", "nothing else said", 11),
     ("valley of 35°, in 3 s", "without aiding", "2 sigma", 14),
-    ("valley of 35°, in 3 s", "with rates and GPS", "seen in time", 15),
-    ("valley of 35°, in 3 s", "with rates and GPS", "nothing else said", 16),
-    ("valley of 35°, in 3 s", "with rates and GPS", "error", 17),
+    ("valley of 35°, in 3 s", "with rates and GPS", "seen in time", 16),
+    ("valley of 35°, in 3 s", "with rates and GPS", "nothing else said", 13),
+    ("valley of 35°, in 3 s", "with rates and GPS", "error", 22),
     ("hail: 5 K to −2 K in 2 s", "without aiding", "error", 23),
 ];
 
@@ -89,6 +90,22 @@ fn a_film_on_all_sensors() {
 #[test]
 fn a_stuck_sensor() {
     row(&event::STUCK);
+}
+
+/// Until the witnesses know which sensor it is, what it does must not be taken for a warm side that was always there.
+#[test]
+fn a_sensor_that_sticks_is_no_warm_side() {
+    for (seed, fault) in [(0, "stuck:nose@20.."), (7, "stuck:left@20..")] {
+        let source = under(seed).lasting(30.0).source(1000 + seed).with_faults(vec![fault.parse().unwrap()]);
+        let mut worst = 0.0_f64;
+        fly(source, 30.0, |aided, now| {
+            if let Some(error) = now.error.filter(|_| aided == 1 && now.time_s > 10.0) {
+                worst = worst.max(error.larger_deg);
+            }
+        });
+        println!("{fault}: {worst:.2}°");
+        assert!(worst < 3.0, "{fault}: {worst}°");
+    }
 }
 
 #[test]

@@ -29,7 +29,7 @@ impl FieldEstimator {
         self.last = Some((now, now));
         self.aid = Aid::default();
         self.misfit = Misfit::default();
-        self.unlike = false;
+        (self.unlike, self.tilted, self.found_s) = (false, false, 0.0);
         (self.rates, self.gyro_errors, self.contrast, self.scene) = paces(&t);
         self.scene.begin(t.scene.0 * (start.scene.contrast_k.abs() / 35.0).min(1.0));
         self.state = State::new(self.model.sensors());

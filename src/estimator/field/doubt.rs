@@ -10,43 +10,70 @@ const UNLIKE: (f64, f64) = (0.1, 0.5);
 const UNEXPECTED: f64 = 3.0;
 /// Turns by so much in all, rad, show all sides.
 const LOOKED_AROUND: f64 = 3.5;
+/// What is found after these must last so long, s: it is new, and may be what one sensor does, or a wall, until the
+/// witnesses know. What is found before was there.
+const LASTS_S: f64 = 3.0;
 
 impl FieldEstimator {
-    /// What was learnt while the scene was thought to be alike all around is in doubt once it is not.
-    pub(super) fn doubt(&mut self) {
+    /// What was learnt while the scene was thought to be alike all around is in doubt once it is not: the sky's shape at
+    /// once, the attitude and the sides when that has lasted.
+    pub(super) fn doubt(&mut self, dt_s: f64) {
         // What one sensor does is no scene.
         if self.witnesses.undecided() {
+            self.found_s = 0.0;
             return;
         }
-        let (unlike, t, gyro) = (self.scene.unlike(), &self.tuning, self.gyro.in_use());
-        let side_k2: f64 = self.state.x[SIDE..SIDE + 4].iter().map(|k| k * k).sum();
-        let newly = gyro && !self.sided;
-        let found = newly && (side_k2 > (UNEXPECTED * t.side.0).powi(2) || side::shows(&self.state, t.unlike_side));
+        let unlike = self.scene.unlike();
         if unlike < UNLIKE.0 {
-            self.unlike = false;
+            (self.unlike, self.tilted) = (false, false);
         }
-        if found || unlike > UNLIKE.1 && !self.unlike {
-            self.unlike |= unlike > UNLIKE.1;
+        if unlike > UNLIKE.1 && !self.unlike {
+            self.unlike = true;
+            self.doubt_sky();
+        }
+        let expected = self.gyro.in_use() && !self.sided;
+        let found = unlike > UNLIKE.1 && !self.tilted || expected && self.has_warm_side();
+        self.found_s = if found { self.found_s + dt_s } else { 0.0 };
+        if self.found_s > LASTS_S * (self.turned / LOOKED_AROUND).min(1.0) {
+            (self.found_s, self.tilted) = (0.0, unlike > UNLIKE.1);
+            self.doubt_attitude(expected);
+        }
+    }
+
+    /// Whether a side of sky or ground is warmer than expected.
+    fn has_warm_side(&self) -> bool {
+        let (s, t) = (&self.state, &self.tuning);
+        let side_k2: f64 = s.x[SIDE..SIDE + 4].iter().map(|k| k * k).sum();
+        side_k2 > (UNEXPECTED * t.side.0).powi(2) || side::shows(s, t.unlike_side)
+    }
+
+    /// The sky's shape, and what each sensor sees of a scene of its own.
+    fn doubt_sky(&mut self) {
+        let scene_k2 = self.scene.variance();
+        self.state.add_variance(DEPTH, 0.1);
+        self.state.add_variance(RADIANCE, 0.1);
+        for i in 0..self.model.sensors() {
+            self.state.add_variance(self.state.scene(i), scene_k2);
+        }
+    }
+
+    /// What a warm side may have been taken for. `expected`: so far it was that there is hardly any.
+    fn doubt_attitude(&mut self, expected: bool) {
+        let (s, t) = (&mut self.state, &self.tuning);
+        for i in 0..3 {
+            s.add_variance(TURN + i, t.unlike_turn.powi(2));
+            s.add_variance(RATE + i, if self.gyro.in_use() { 0.1_f64.to_radians().powi(2) } else { 0.0 });
+        }
+        if expected {
+            self.sided = true;
             // An aircraft that has looked all around has seen what side was warmer: what is found then is new, and
             // was never taken for an attitude.
-            let first = gyro && !self.sided && self.turned < LOOKED_AROUND;
-            self.sided |= gyro;
-            let s = &mut self.state;
-            let share = if gyro { 1.0 } else { 0.0 };
-            for i in 0..3 {
-                s.add_variance(TURN + i, t.unlike_turn.powi(2));
-                s.add_variance(RATE + i, share * 0.1_f64.to_radians().powi(2));
+            if self.turned < LOOKED_AROUND {
+                side::hide(s, t.unlike_side)
+            } else {
+                side::expect(s, t.unlike_side)
             }
-            s.add_variance(DEPTH, 0.1);
-            s.add_variance(RADIANCE, 0.1);
-            if first {
-                side::hide(s, t.unlike_side);
-            } else if newly {
-                side::expect(s, t.unlike_side);
-            }
-            for i in 0..self.model.sensors() {
-                s.add_variance(s.scene(i), self.scene.variance());
-            }
+            self.doubt_sky();
         }
     }
 }

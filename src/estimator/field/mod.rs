@@ -97,8 +97,12 @@ pub struct FieldEstimator {
     misfit: Misfit,
     /// The scene has been found to be unlike a sky that is alike all around.
     unlike: bool,
+    /// And the attitude has been doubted for it.
+    tilted: bool,
     /// A warm side has been found to be larger than expected.
     sided: bool,
+    /// For how long one of these is being found, s.
+    found_s: f64,
     /// How far it has turned about the vertical since it began, rad.
     turned: f64,
 }
@@ -133,7 +137,9 @@ impl FieldEstimator {
             scene,
             misfit: Misfit::default(),
             unlike: false,
+            tilted: false,
             sided: false,
+            found_s: 0.0,
             turned: 0.0,
         }
     }
@@ -258,7 +264,7 @@ impl Estimator for FieldEstimator {
             self.consult(&mut readings, &pace, dt_s);
             self.leave_out(&mut readings);
             self.learn(&readings, dt_s);
-            self.doubt();
+            self.doubt(dt_s);
         }
         self.correct(&readings, dt_s);
         self.look(frame, now);
