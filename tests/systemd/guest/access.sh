@@ -52,6 +52,18 @@ mavlink_to_another_machine() {
 	endpoint
 }
 
+# It finds nothing wrong with what is installed and running; what it warns of is the guest's bus without PEC, and its pace.
+doctor() {
+	local said status=0
+	said=$(irhorizonctl doctor) || status=$?
+	echo "$said"
+	[ "$status" = 0 ]
+	grep -q '^ok    service' <<<"$said"
+	grep -q '^ok    policy' <<<"$said"
+	grep -q '^ok    mavlink' <<<"$said"
+	irhorizonctl doctor --json | grep -q '"failures"'
+}
+
 real_time() {
 	local drop_ins=/etc/systemd/system/irhorizond.service.d
 	cp /usr/share/doc/irhorizon/examples/real-time.conf "$drop_ins"/
