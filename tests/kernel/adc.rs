@@ -1,7 +1,7 @@
 //! ADS1115s on an `i2c-stub`: a thread sees the starts that are written to the chips' memory,
 //! converts, and pulses the data-ready line.
 
-use crate::rig::{Adapter, Chip, GpioSim};
+use crate::adapter::{Adapter, Chip, GpioSim};
 use irhorizon::clock;
 use irhorizon::time::Time;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,9 +1,10 @@
 //! Attitudes flown through on each of the three ways of wiring a head.
 
+use crate::adapter::{Adapter, GpioSim};
 use crate::adc::{Converters, Pins};
 use crate::flight::{Flight, Sensors, TOLERANCE_DEG, Worst, listener};
 use crate::mlx::{ADDRESSES, NAMES, SixMlx, word};
-use crate::rig::{Adapter, Daemon, GpioSim};
+use crate::rig::Daemon;
 use crate::sky::{CONTRAST_K, Scheme, pairs_k, six_c};
 use rustix::process::Signal;
 use serde_json::Value;

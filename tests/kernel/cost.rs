@@ -14,6 +14,7 @@ mod adapter;
 mod dbus_bus;
 mod rig;
 
+use adapter::Adapter;
 use irhorizon::clock;
 use irhorizon::config::settings::Streams;
 use irhorizon::config::{self, settings::Method};
@@ -25,7 +26,7 @@ use irhorizon::mavlink::endpoint::Endpoint;
 use irhorizon::mavlink::session::{Seen, Session};
 use irhorizon::recording::Taps;
 use irhorizon::state::Shared;
-use rig::{Adapter, Daemon, Folder};
+use rig::{Daemon, Folder};
 use rustix::time::{ClockId, clock_gettime};
 use std::fs;
 use std::net::UdpSocket;

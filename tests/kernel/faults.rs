@@ -3,6 +3,7 @@
 //! Times are taken from the daemon's log, whose lines come with the frame that they are about; a
 //! client's question costs a tenth of a second in an emulated machine.
 
+use crate::adapter::{Adapter, GpioSim, Module};
 use crate::rig::*;
 use irhorizon::bus::generic::GenericBus;
 use irhorizon::bus::linux::LinuxBus;

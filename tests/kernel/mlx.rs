@@ -1,7 +1,7 @@
 //! Six MLX90614 on a bus, moved by writing their registers.
 
+use crate::adapter::{Adapter, Chip};
 use crate::flight::Sensors;
-use crate::rig::{Adapter, Chip};
 use crate::sky::six_c;
 
 /// Addresses of nose, tail, left, right, up, down.

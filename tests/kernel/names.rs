@@ -1,9 +1,10 @@
 //! What goes wrong in a flight that turns, by way of real registers and transfers: which name D-Bus gives it and MAVLink
 //! tells, and whether the attitude goes on. By the default method, which hears each sensor by itself.
 
+use crate::adapter::Adapter;
 use crate::mlx::{ADDRESSES, NAMES, SixMlx};
 use crate::radio::{ACTIVE, CRITICAL, Radio, SEVERITY_CRITICAL, SEVERITY_ERROR, SEVERITY_NOTICE};
-use crate::rig::{Adapter, Daemon, wait_for};
+use crate::rig::{Daemon, wait_for};
 use crate::turning::{Turning, Wrong, attitude};
 use irhorizon::clock;
 use irhorizon::ctl::client::Client;

@@ -1,7 +1,5 @@
 //! The daemon on a kernel's buses: a process with a folder and a D-Bus of its own.
 
-#[allow(unused_imports)]
-pub use crate::adapter::{Adapter, Chip, GpioSim, Module};
 pub use crate::dbus_bus::Bus;
 
 use rustix::process::{Pid, Signal, kill_process};

@@ -1,7 +1,8 @@
 //! doctor and set-address on a kernel's bus, without a daemon.
 
+use crate::adapter::{Adapter, Chip};
 use crate::mlx::{NAMES, SixMlx, word};
-use crate::rig::{Adapter, CTL, Chip, Folder};
+use crate::rig::{CTL, Folder};
 use serde_json::Value;
 use std::fs;
 use std::process::{Command, Output};

@@ -1,7 +1,7 @@
 //! A flight that never stops turning: six sensors whose words change all the time, and what may be wrong with them.
 
+use crate::adapter::{Adapter, Chip};
 use crate::mlx::{ADDRESSES, word};
-use crate::rig::{Adapter, Chip};
 use crate::sky::{GROUND_C, vertical};
 use irhorizon::clock;
 use irhorizon::sky::{Averaging, FieldOfView, Response, Shape};

@@ -154,7 +154,7 @@ fn identity(seen: &Seen) -> Option<Finding> {
         None => s.identity.clone(),
     };
     Some(match emissivity {
-        _ if s.identity.bytes().all(|b| b == b'0') || s.identity.bytes().all(|b| b == b'f') => C.warn(
+        _ if !is_identity(&s.identity) => C.warn(
             &s.name,
             format!("its identity reads {}", s.identity),
             "no MLX90614 has that: is it another chip, or is its data line stuck?",
@@ -168,11 +168,16 @@ fn identity(seen: &Seen) -> Option<Finding> {
     })
 }
 
+/// Whether a chip can have that: not all its bits are alike.
+fn is_identity(digits: &str) -> bool {
+    digits.bytes().any(|b| b != b'0') && digits.bytes().any(|b| b != b'f')
+}
+
 /// One chip that stands for two sensors: a multiplexer that is not switched, a sensor named twice.
 fn twins(f: &Facts) -> Vec<Finding> {
     let sensors: Vec<&Sensor> = f.sensors.iter().map(|s| &s.sensor).collect();
     let mut found = Vec::new();
-    for (i, s) in sensors.iter().enumerate().filter(|(_, s)| !s.identity.is_empty()) {
+    for (i, s) in sensors.iter().enumerate().filter(|(_, s)| is_identity(&s.identity)) {
         let elsewhere = |o: &&&Sensor| o.identity == s.identity && (&o.bus, o.address) != (&s.bus, s.address);
         if let Some(other) = sensors[..i].iter().find(elsewhere) {
             found.push(Check::Identity.warn(

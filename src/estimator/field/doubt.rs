@@ -31,12 +31,13 @@ impl FieldEstimator {
             self.unlike = true;
             self.doubt_sky();
         }
-        let expected = self.gyro.in_use() && !self.sided;
-        let found = unlike > UNLIKE.1 && !self.tilted || expected && self.has_warm_side();
+        let even = self.gyro.in_use() && !self.sided;
+        let found = unlike > UNLIKE.1 && !self.tilted || even && self.has_warm_side();
         self.found_s = if found { self.found_s + dt_s } else { 0.0 };
         if self.found_s > LASTS_S * (self.turned / LOOKED_AROUND).min(1.0) {
-            (self.found_s, self.tilted) = (0.0, unlike > UNLIKE.1);
-            self.doubt_attitude(expected);
+            self.found_s = 0.0;
+            self.tilted |= unlike > UNLIKE.1;
+            self.doubt_attitude(even);
         }
     }
 
@@ -57,14 +58,14 @@ impl FieldEstimator {
         }
     }
 
-    /// What a warm side may have been taken for. `expected`: so far it was that there is hardly any.
-    fn doubt_attitude(&mut self, expected: bool) {
+    /// What a warm side may have been taken for; where the sides were taken for `even` so far, these too.
+    fn doubt_attitude(&mut self, even: bool) {
         let (s, t) = (&mut self.state, &self.tuning);
         for i in 0..3 {
             s.add_variance(TURN + i, t.unlike_turn.powi(2));
             s.add_variance(RATE + i, if self.gyro.in_use() { 0.1_f64.to_radians().powi(2) } else { 0.0 });
         }
-        if expected {
+        if even {
             self.sided = true;
             // An aircraft that has looked all around has seen what side was warmer: what is found then is new, and
             // was never taken for an attitude.

@@ -60,8 +60,7 @@ pub fn quaternion(seen: &Seen) -> Option<Message> {
 /// rad², uncorrelated; that of yaw is of a heading not known, whatever was handed in.
 pub fn covariance(seen: &Seen) -> Option<Message> {
     let q = rotation(angles(seen)?);
-    let (roll, pitch) =
-        (seen.moment.sigma.roll * seen.moment.sigma.roll, seen.moment.sigma.pitch * seen.moment.sigma.pitch);
+    let (roll, pitch) = (seen.moment.sigma.roll.powi(2), seen.moment.sigma.pitch.powi(2));
     if !(roll as f32).is_finite() || !(pitch as f32).is_finite() {
         return None;
     }
