@@ -7,6 +7,10 @@
 /// The share of heads that are mounted askew, before anything is known.
 const ASKEW: f64 = 0.1;
 
+/// The power of the odds that is acted on: a trim that is not needed spoils every flight, one that is not yet believed
+/// leaves things as they were.
+const CAUTION: f64 = 2.0;
+
 /// What is expected of a difference, rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prior {
@@ -34,17 +38,17 @@ impl Prior {
     pub const PITCH: Self = Self { well: 1.4_f64.to_radians(), askew: 8_f64.to_radians() };
 
     /// What a mean difference of `mean` ± `error` (1σ) rad says: the trim of a head mounted askew,
-    /// times the probability that it is. Of pitch, known to 0.3°:
+    /// times the probability that it is, by the square of its odds. Of pitch, known to 0.3°:
     ///
     /// | difference | 1° | 2° | 2.5° | 3° | 4° | 5° | 6° | 8° |
     /// |---|---|---|---|---|---|---|---|---|
-    /// | trim | 0.0° | 0.1° | 0.2° | 0.4° | 1.8° | 4.3° | 5.7° | 7.8° |
+    /// | trim | 0.0° | 0.0° | 0.0° | 0.1° | 1.6° | 4.8° | 5.8° | 7.8° |
     pub fn believe(&self, mean: f64, error: f64) -> Belief {
         let [well, askew] = [self.well.powi(2) + error.powi(2), self.askew.powi(2)];
         let both = well + askew;
         let odds =
             (ASKEW / (1.0 - ASKEW)).ln() + 0.5 * (well / both).ln() + 0.5 * mean.powi(2) * (1.0 / well - 1.0 / both);
-        let probability = 1.0 / (1.0 + (-odds).exp());
+        let probability = 1.0 / (1.0 + (-CAUTION * odds).exp());
         Belief { trim: probability * mean * askew / both, sigma: probability * (well * askew / both).sqrt() }
     }
 }
@@ -66,10 +70,11 @@ mod tests {
             let d = f64::from(tenths) / 10.0;
             let density = |variance: f64| (-0.5 * d * d / variance).exp() / variance.sqrt();
             let (well, both) = (1.4 * 1.4 + 0.09, 1.4 * 1.4 + 0.09 + 64.0);
-            let askew = 0.1 * density(both) / (0.1 * density(both) + 0.9 * density(well));
+            let [askew, straight] = [0.1 * density(both), 0.9 * density(well)].map(|d: f64| d.powi(2));
+            let askew = askew / (askew + straight);
             assert!((pitch(d, 0.3).0 - askew * d * 64.0 / both).abs() < 1e-9, "{d}");
         }
-        let table = [(1.0, 0.0), (2.0, 0.1), (2.5, 0.2), (3.0, 0.4), (4.0, 1.8), (5.0, 4.3), (6.0, 5.7), (8.0, 7.8)];
+        let table = [(1.0, 0.0), (2.0, 0.0), (2.5, 0.0), (3.0, 0.1), (4.0, 1.6), (5.0, 4.8), (6.0, 5.8), (8.0, 7.8)];
         for (d, trim) in table {
             assert!((pitch(d, 0.3).0 - trim).abs() < 0.06, "{d}: {}", pitch(d, 0.3).0);
         }
