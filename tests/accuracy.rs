@@ -263,3 +263,14 @@ fn rates_with_four_times_the_noise() {
     // Of uniform numbers: 0.4 °/s rms.
     with_rates("clear-dry", |rates| rates.map(|r| r + 0.4 * 12_f64.sqrt() * (next() - 0.5)), ([0.15, 0.15], 90.0));
 }
+
+/// A filter in the autopilot, stamps that are of its end: the thermopiles cannot tell whose clock is right.
+#[test]
+fn rates_that_are_10_ms_late() {
+    let before = std::cell::Cell::new([0.0; 3]);
+    let late = |rates: [f64; 3]| {
+        let before = before.replace(rates);
+        std::array::from_fn(|i| 0.5 * (before[i] + rates[i]))
+    };
+    with_rates("clear-dry", late, ([0.2, 0.15], 80.0));
+}
