@@ -11,32 +11,31 @@ use events::report::{self, Asked};
 
 /// What is known to be missed, said in docs/faults.md: in how many of the flights what is asked must be reached
 /// nevertheless.
-const KNOWN: [(&str, &str, &str, usize); 26] = [
+const KNOWN: [(&str, &str, &str, usize); 25] = [
     ("film on one sensor, 92 % in 3 s", "without aiding", "seen in time", 22),
     ("film on one sensor, 92 % in 3 s", "without aiding", "nothing else said", 17),
     ("film on one sensor, 92 % in 3 s", "without aiding", "error", 12),
-    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "seen in time", 19),
-    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "nothing else said", 15),
-    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "error", 19),
+    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "seen in time", 20),
+    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "nothing else said", 17),
+    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "error", 23),
     ("lost sensor", "without aiding", "error", 19),
     ("ridge of 25° on one side, in 3 s", "without aiding", "seen in time", 9),
     ("ridge of 25° on one side, in 3 s", "without aiding", "nothing else said", 20),
     ("ridge of 25° on one side, in 3 s", "without aiding", "2 sigma", 8),
-    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "seen in time", 14),
+    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "seen in time", 15),
     ("ridge of 25° on one side, in 3 s", "with rates and GPS", "nothing else said", 23),
-    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "error", 23),
+    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "error", 22),
     ("stuck sensor", "without aiding", "seen in time", 21),
     ("stuck sensor", "without aiding", "nothing else said", 21),
     ("stuck sensor", "without aiding", "error", 13),
     ("stuck sensor", "with rates and GPS", "seen in time", 22),
-    ("stuck sensor", "with rates and GPS", "nothing else said", 21),
-    ("stuck sensor", "with rates and GPS", "error", 20),
+    ("stuck sensor", "with rates and GPS", "nothing else said", 22),
+    ("stuck sensor", "with rates and GPS", "error", 21),
     ("valley of 35°, in 3 s", "without aiding", "seen in time", 7),
     ("valley of 35°, in 3 s", "without aiding", "nothing else said", 11),
     ("valley of 35°, in 3 s", "without aiding", "2 sigma", 14),
-    ("valley of 35°, in 3 s", "with rates and GPS", "seen in time", 16),
-    ("valley of 35°, in 3 s", "with rates and GPS", "nothing else said", 13),
-    ("valley of 35°, in 3 s", "with rates and GPS", "error", 22),
+    ("valley of 35°, in 3 s", "with rates and GPS", "seen in time", 18),
+    ("valley of 35°, in 3 s", "with rates and GPS", "nothing else said", 15),
     ("hail: 5 K to −2 K in 2 s", "without aiding", "error", 23),
 ];
 

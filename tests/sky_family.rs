@@ -102,34 +102,6 @@ fn levels_rise_from_nothing_to_one() {
     }
 }
 
-/// A sky, or a ground, that is warmer by the cosine of its azimuth, seen by an axis that looks to azimuth 0.
-#[test]
-fn sides_are_integrals() {
-    let n = 400;
-    let weight = |a: f64| a.sin() * (-4.0 * 2.0_f64.ln() * (a.to_degrees() / 90.0).powi(2)).exp();
-    for deg in [-80.0, -45.0, -20.0, 0.0, 10.0, 37.5, 60.0, 80.0] {
-        let (s, c) = f64::to_radians(deg).sin_cos();
-        let (mut above, mut below, mut whole) = (0.0, 0.0, 0.0);
-        for i in 0..n {
-            let a = (f64::from(i) + 0.5) * 90.0_f64.to_radians() / f64::from(n);
-            for j in 0..n {
-                let b = (f64::from(j) + 0.5) * std::f64::consts::PI / f64::from(n);
-                let up = s * a.cos() + c * a.sin() * b.cos();
-                let ahead = c * a.cos() - s * a.sin() * b.cos();
-                let aside = a.sin() * b.sin();
-                let warmth = weight(a) * ahead / ahead.hypot(aside);
-                *(if up > 0.0 { &mut above } else { &mut below }) += warmth;
-                whole += weight(a);
-            }
-        }
-        let side = FAMILY.level(s, -1.0, 0.0).side;
-        for (name, got, sum) in [("sky", side[0], above), ("ground", side[1], below)] {
-            let expected = sum / whole / c;
-            assert!((got - expected).abs() < 0.005, "{name} at {deg}°: {got}, integrated {expected}");
-        }
-    }
-}
-
 #[test]
 fn what_is_no_number_gives_none_and_what_is_too_far_the_end() {
     for (sine, ln_depth, radiance) in [(f64::NAN, -1.0, 0.5), (0.3, f64::NAN, 0.5), (0.3, -1.0, f64::NAN)] {

@@ -10,6 +10,8 @@ pub enum Round {
     Cosine,
     /// One half of the compass and not the other.
     Half,
+    /// As the cosine at the horizon, evenly across the zenith: to heat it is nearly a horizon that leans.
+    Slope,
 }
 
 /// One side of the world is warmer: the sun on a slope, a coast, the evening sky.
@@ -28,7 +30,7 @@ pub struct WarmSide {
 }
 
 impl WarmSide {
-    /// The warmth, K, in the direction of `north` and `east`, of the ground or of the sky.
+    /// The warmth, K, in the direction whose unit vector has `north` and `east`, of the ground or of the sky.
     pub(super) fn warmth_k(&self, north: f64, east: f64, ground: bool) -> f64 {
         if !(if ground { self.ground } else { self.sky }) {
             return 0.0;
@@ -38,6 +40,7 @@ impl WarmSide {
         let share = match self.round {
             Round::Half => f64::from(toward > 0.0),
             Round::Cosine => 0.5 + 0.5 * toward / north.hypot(east).max(1e-12),
+            Round::Slope => 0.5 + 0.5 * toward,
         };
         self.amplitude_k * share
     }
@@ -191,6 +194,8 @@ mod tests {
         }
         let half = WarmSide { round: Round::Half, ..east };
         assert_eq!([half.warmth_k(9.0, 0.1, false), half.warmth_k(9.0, -0.1, false)], [4.0, 0.0]);
+        let slope = WarmSide { round: Round::Slope, azimuth_deg: 0.0, ..half };
+        assert_eq!([1.0, 0.5, 0.0, -1.0].map(|north| slope.warmth_k(north, 0.0, false)), [4.0, 3.0, 2.0, 0.0]);
     }
 
     #[test]

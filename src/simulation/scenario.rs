@@ -23,7 +23,7 @@ pub const SECONDS: f64 = 300.0;
 const FIELD_DEG: f64 = 90.0;
 
 /// The names, with what they stand for.
-pub const LIST: [(&str, &str); 20] = [
+pub const LIST: [(&str, &str); 21] = [
     ("clear-dry", "a dry grey atmosphere, contrast 40 K"),
     ("clear-humid", "a humid grey atmosphere, contrast 25 K"),
     ("namibia", "the report's Namibian night"),
@@ -33,6 +33,7 @@ pub const LIST: [(&str, &str); 20] = [
     ("cumulus", "large ones, some of them in clumps to one side"),
     ("warm-side", "ground and sky warmer by 5 K to one side"),
     ("warm-sky", "the sky alone warmer by 5 K to one side"),
+    ("warm-slope", "the same, evenly across the zenith"),
     ("warm-side-sharp", "ground and sky warmer by 5 K over one half of the compass"),
     ("into-cloud", "from 40 K to 10 K in 1.5 s and back, again and again"),
     ("lag-0.3", "clear and dry, sensors that lag by 0.3 s"),
@@ -212,6 +213,7 @@ impl Scenario {
             "cumulus" => scene.with_clouds(Clouds::cumulus(0.3, (5.0, 15.0), seeds.bits())),
             "warm-side" => scene.with_warm_side(warm(Round::Cosine, true)),
             "warm-sky" => scene.with_warm_side(warm(Round::Cosine, false)),
+            "warm-slope" => scene.with_warm_side(warm(Round::Slope, false)),
             "warm-side-sharp" => scene.with_warm_side(warm(Round::Half, true)),
             "ridge" => scene.with_ridge(ridge(0.0, 120.0, 20.0)).with_ridge(ridge(170.0, 60.0, 8.0)),
             "patchwork" => scene.with_patchwork(Patchwork { rms_k: 3.0, cell_m: 250.0, seed: seeds.bits() }),

@@ -25,9 +25,6 @@ pub struct Family {
     /// What averaging in radiance adds to the level at [`RADIANCE_K`] of contrast, less what another
     /// ground, contrast and depth would do as well; by elevation.
     radiance: [f64; ELEVATIONS],
-    /// How much of a sky that is warmer by the cosine of its azimuth is seen, over the cosine of the
-    /// axis' elevation; by elevation.
-    side: [f64; ELEVATIONS],
 }
 
 /// A look-up with its slopes.
@@ -39,9 +36,6 @@ pub struct Level {
     pub by_sine: f64,
     /// Its change with the logarithm of the depth.
     pub by_ln_depth: f64,
-    /// What is seen of a sky, and of a ground, that are warmer by the cosine of their azimuth: K for
-    /// a K, of the horizontal component of the axis.
-    pub side: [f64; 2],
     /// Its change with the share of averaging in radiance.
     pub by_radiance: f64,
 }
@@ -58,7 +52,6 @@ impl Family {
             })
             .collect();
         let mut table = vec![[0.0; ELEVATIONS]; DEPTHS];
-        let mut side = [0.0; ELEVATIONS];
         let mut fourth = [0.0; ELEVATIONS];
         let mut shares = vec![0.0; SINES + 1];
         for e in 0..ELEVATIONS {
@@ -69,8 +62,6 @@ impl Family {
                 let sine = (n.along * sin + n.across * cos).min(1.0);
                 let place = sine * SINES as f64;
                 if place > 0.0 {
-                    let level = (1.0 - sine * sine).sqrt().max(1e-6);
-                    side[e] += n.weight * (n.along * cos - n.across * sin) / level / cos.max(0.01);
                     let cell = (place as usize).min(SINES - 1);
                     let part = n.weight * (place - cell as f64);
                     shares[cell] += n.weight - part;
@@ -91,7 +82,7 @@ impl Family {
         let rest = table.windows(3).map(|like| unlike(radiance, [&like[0], &like[2]]));
         let size = |v: &[f64; ELEVATIONS]| v.iter().map(|c| c * c).sum::<f64>();
         let radiance = rest.min_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or([0.0; ELEVATIONS]);
-        Self { radiance, side, table }
+        Self { radiance, table }
     }
 
     /// The level with the axis at the elevation whose sine is `sine` under a sky of `ln_depth`;
@@ -114,7 +105,6 @@ impl Family {
             value: low.0 + y * (high.0 - low.0) + radiance * other.0,
             by_sine: by_degree.to_degrees() / cosine,
             by_ln_depth: (high.0 - low.0) / STEP,
-            side: [weights.of(&self.side, cell).0, Spline::at(1.0 - x).of(&self.side, ELEVATIONS - 2 - cell).0],
             by_radiance: other.0,
         }
     }

@@ -4,7 +4,7 @@ use super::adapt::{SceneStrength, Whiteness};
 use super::aid::Aid;
 use super::correct::Misfit;
 use super::start::start;
-use super::state::{CONTRAST, DEPTH, GROUND, LAG, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SIDE, State, TURN};
+use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, State, TURN};
 use super::{FieldEstimator, Tuning};
 use crate::time::Time;
 
@@ -71,12 +71,12 @@ impl FieldEstimator {
             s.x[RATE + i] = 0.0;
             s.set_variance(RATE + i, (if gyro { t.bias.0 } else { t.rate_sigma[i] }).powi(2));
         }
-        for i in SIDE..SIDE + 4 {
+        for i in LEAN..LEAN + 2 {
             s.x[i] = 0.0;
-            s.set_variance(i, if gyro { t.side.0.powi(2) } else { 0.0 });
+            s.set_variance(i, if gyro { t.lean.0.powi(2) } else { 0.0 });
         }
-        s.side_k2 = t.side.0.powi(2);
-        self.sided = false;
+        s.lean2 = t.lean.0.powi(2);
+        self.leant = false;
         self.turned = 0.0;
         s.x[LAG] = 0.0;
         s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });

@@ -18,7 +18,7 @@ const GYRO_WRONG: f64 = 3.3;
 const APART_S: f64 = 0.7;
 /// An attitude farther from them is wrong: rad (8°), or K where the contrast is low.
 const APART: (f64, f64) = (0.14, 4.0);
-/// So many times as far where warm sides are left out: as much as they may hide.
+/// So many times as far where leans are left out: as much as they may hide.
 const WARM: f64 = 1.5;
 
 /// How well the readings fit.
@@ -82,7 +82,7 @@ impl FieldEstimator {
             worst = worst.max(relative);
             count += 1.0;
             let variance = noise.max(squared / (GATE * GATE) - predicted);
-            self.state.correct_one(SEEN + i, innovation, variance);
+            self.state.read(SEEN + i, innovation, variance);
         }
         self.state.settle();
         if count > 1.0 {
@@ -110,10 +110,10 @@ impl FieldEstimator {
         let alone = readings.iter().zip(&self.state.plain).map(|(r, p)| r.map_or(0.0, |r| r - p));
         let mut pattern = Pattern::default();
         pattern.iter_mut().zip(alone).for_each(|(p, a)| *p = a);
-        // A warm side that is believed in must not hide an attitude that is off.
+        // A lean that is believed in must not hide an attitude that is off.
         let mut even = pattern;
         for (even, seen) in even.iter_mut().zip(&seen) {
-            *even += seen.as_ref().map_or(0.0, |s| s.by_side.iter().zip(sky.side_k).map(|(b, k)| b * k).sum::<f64>());
+            *even += seen.as_ref().map_or(0.0, |s| s.by_lean.iter().zip(sky.lean).map(|(b, l)| b * l).sum::<f64>());
         }
         let share = -(-dt_s / APART_S).exp_m1();
         let misfit = &mut self.misfit;

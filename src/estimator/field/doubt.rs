@@ -1,12 +1,12 @@
 //! When the scene is found not to be alike all around.
 
-use super::state::{DEPTH, RADIANCE, RATE, SIDE, TURN};
-use super::{FieldEstimator, side};
+use super::state::{DEPTH, LEAN, RADIANCE, RATE, TURN};
+use super::{FieldEstimator, lean};
 
 /// What no sky alike all around explains, from nothing to certain: below the first there is none (again),
 /// beyond the second there is.
 const UNLIKE: (f64, f64) = (0.1, 0.5);
-/// A warm side found so many times larger than it was expected was expected wrongly.
+/// A horizon found to lean so many times farther than was expected was expected wrongly.
 const UNEXPECTED: f64 = 3.0;
 /// Turns by so much in all, rad, show all sides.
 const LOOKED_AROUND: f64 = 3.5;
@@ -16,7 +16,7 @@ const LASTS_S: f64 = 3.0;
 
 impl FieldEstimator {
     /// What was learnt while the scene was thought to be alike all around is in doubt once it is not: the sky's shape at
-    /// once, the attitude and the sides when that has lasted.
+    /// once, the attitude and how the horizon leans when that has lasted.
     pub(super) fn doubt(&mut self, dt_s: f64) {
         // What one sensor does is no scene.
         if self.witnesses.undecided() {
@@ -31,8 +31,8 @@ impl FieldEstimator {
             self.unlike = true;
             self.doubt_sky();
         }
-        let even = self.gyro.in_use() && !self.sided;
-        let found = unlike > UNLIKE.1 && !self.tilted || even && self.has_warm_side();
+        let even = self.gyro.in_use() && !self.leant;
+        let found = unlike > UNLIKE.1 && !self.tilted || even && self.leans();
         self.found_s = if found { self.found_s + dt_s } else { 0.0 };
         if self.found_s > LASTS_S * (self.turned / LOOKED_AROUND).min(1.0) {
             self.found_s = 0.0;
@@ -41,11 +41,10 @@ impl FieldEstimator {
         }
     }
 
-    /// Whether a side of sky or ground is warmer than expected.
-    fn has_warm_side(&self) -> bool {
+    /// Whether the horizon leans farther than expected.
+    fn leans(&self) -> bool {
         let (s, t) = (&self.state, &self.tuning);
-        let side_k2: f64 = s.x[SIDE..SIDE + 4].iter().map(|k| k * k).sum();
-        side_k2 > (UNEXPECTED * t.side.0).powi(2) || side::shows(s, t.unlike_side)
+        s.x[LEAN].hypot(s.x[LEAN + 1]) > UNEXPECTED * t.lean.0 || lean::shows(s, t.unlike_lean)
     }
 
     /// The sky's shape, and what each sensor sees of a scene of its own.
@@ -58,7 +57,7 @@ impl FieldEstimator {
         }
     }
 
-    /// What a warm side may have been taken for; where the sides were taken for `even` so far, these too.
+    /// The attitude, which a warm side may have been taken for; where the horizon was taken for `even` so far, how it leans too.
     fn doubt_attitude(&mut self, even: bool) {
         let (s, t) = (&mut self.state, &self.tuning);
         for i in 0..3 {
@@ -66,13 +65,13 @@ impl FieldEstimator {
             s.add_variance(RATE + i, if self.gyro.in_use() { 0.1_f64.to_radians().powi(2) } else { 0.0 });
         }
         if even {
-            self.sided = true;
+            self.leant = true;
             // An aircraft that has looked all around has seen what side was warmer: what is found then is new, and
             // was never taken for an attitude.
             if self.turned < LOOKED_AROUND {
-                side::hide(s, t.unlike_side)
+                lean::hide(s, t.unlike_lean)
             } else {
-                side::expect(s, t.unlike_side)
+                lean::expect(s, t.unlike_lean)
             }
             self.doubt_sky();
         }

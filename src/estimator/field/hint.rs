@@ -4,7 +4,8 @@ use super::FieldEstimator;
 use super::predict::scene;
 use super::state::OFFSET;
 use crate::attitude::Hint;
-use crate::estimator::vector::{Vector, add_scaled, dot};
+use crate::estimator::PAIR_SLOPE;
+use crate::estimator::vector::{add_scaled, cross, dot};
 
 /// Roll and pitch must be known by other instruments to this standard deviation, rad: else a warm side and a tilt
 /// are one and the same.
@@ -23,18 +24,18 @@ impl FieldEstimator {
         }
         let sky = scene(s);
         let up = s.vertical();
-        let mut toward: Vector = [0.0; 3];
+        // A horizon that leans is warm where it leans up to, as a pair would see it.
+        let warm = |i: usize| s.axes[i].map(|c| PAIR_SLOPE * sky.contrast_k * sky.lean[i] * c);
+        let mut toward = add_scaled(warm(0), 1.0, warm(1));
         for i in 0..self.model.sensors() {
-            let seen = self.model.seen(i, &s.axes, &sky);
-            let warm: f64 = seen.by_side.iter().zip(sky.side_k).map(|(b, k)| b * k).sum();
-            let extra_k = warm + seen.sky * s.x[s.scene(i)];
+            let extra_k = self.model.seen(i, &s.axes, &sky).sky * s.x[s.scene(i)];
             let direction = self.model.direction(i);
             toward = add_scaled(toward, extra_k, add_scaled(direction, -dot(direction, up), up));
         }
         let strength_k = dot(toward, toward).sqrt();
         // Front and left of the level plane.
         let front = add_scaled([1.0, 0.0, 0.0], -up[0], up);
-        let left = add_scaled([0.0, 1.0, 0.0], -up[1], up);
+        let left = cross(up, front);
         let bearing = -dot(toward, left).atan2(dot(toward, front));
         (strength_k > LEAST.0.max(LEAST.1 * sky.contrast_k.abs())).then_some(Hint { bearing, strength_k })
     }
@@ -43,10 +44,10 @@ impl FieldEstimator {
 #[cfg(test)]
 mod tests {
     use super::super::Tuning;
-    use super::super::state::{CONTRAST, DEPTH, GROUND, RADIANCE, SIDE};
+    use super::super::state::{CONTRAST, DEPTH, GROUND, LEAN, RADIANCE};
     use super::*;
     use crate::attitude::Attitude;
-    use crate::estimator::vector::{cross, unit};
+    use crate::estimator::vector::unit;
     use crate::frame::Aiding;
     use crate::head::Head;
     use crate::simulation::Scenario;
@@ -78,19 +79,16 @@ mod tests {
     fn it_points_to_the_warm_side_clockwise_from_the_nose() {
         for heading_deg in [0.0, 60.0, 90.0, 200.0, 315.0] {
             for (roll_deg, pitch_deg) in [(0.0, 0.0), (30.0, 0.0), (-40.0, 10.0), (0.0, -20.0)] {
-                // Sky and ground of the north, then of the west, by 10 K.
+                // North, then west.
                 for (side, bearing_deg) in [(0, -heading_deg), (1, -90.0 - heading_deg)] {
                     let attitude = Attitude::from_degrees(roll_deg, pitch_deg);
                     let mut e = knowing(&Head::six(), heading_deg, attitude);
-                    (e.state.x[SIDE + side], e.state.x[SIDE + 2 + side]) = (10.0, 10.0);
+                    e.state.x[LEAN + side] = 0.3;
                     let hint = e.hint().expect("a warm side");
                     let off = apart_deg(hint.bearing, bearing_deg);
                     let flown = format!("side {side} at {heading_deg}°, {roll_deg}°, {pitch_deg}°");
-                    assert!(
-                        off.abs() < 12.0 && (roll_deg, pitch_deg) != (0.0, 0.0) || off.abs() < 1e-6,
-                        "{flown}: {off}"
-                    );
-                    (e.state.x[SIDE + side], e.state.x[SIDE + 2 + side]) = (20.0, 20.0);
+                    assert!(off.abs() < 1e-6, "{flown}: {off}");
+                    e.state.x[LEAN + side] = 0.6;
                     let twice = e.hint().unwrap().strength_k;
                     assert!((twice - 2.0 * hint.strength_k).abs() < 1e-9, "{flown}");
                 }
@@ -112,27 +110,29 @@ mod tests {
 
     #[test]
     fn there_is_none_of_little_warmth_nor_without_what_tells_it_from_a_tilt() {
-        let warm = |head: &Head, side_k: f64| {
+        let warm = |head: &Head, lean: f64| {
             let mut e = knowing(head, 0.0, Attitude::default());
-            (e.state.x[SIDE], e.state.x[SIDE + 2]) = (side_k, side_k);
+            e.state.x[LEAN] = lean;
             e
         };
         let six = Head::six();
-        assert!(warm(&six, 10.0).hint().is_some() && warm(&six, 0.3).hint().is_none());
+        assert!(warm(&six, 0.3).hint().is_some() && warm(&six, 0.01).hint().is_none());
         // 8 % of the contrast.
-        let mut strong = warm(&six, 10.0);
+        let mut strong = knowing(&six, 0.0, Attitude::default());
+        let own = strong.state.scene(0);
+        strong.state.x[own] = 12.0;
         let strength_k = strong.hint().unwrap().strength_k;
         strong.state.x[CONTRAST] = 1.1 * strength_k / 0.08;
         assert_eq!(strong.hint(), None, "{strength_k} K");
         for i in 0..2 {
-            let mut vague = warm(&six, 10.0);
+            let mut vague = warm(&six, 0.3);
             vague.state.p[OFFSET + i][OFFSET + i] = 0.06 * 0.06;
             assert_eq!(vague.hint(), None, "roll or pitch is not known by anything else");
         }
-        let mut bare = warm(&six, 10.0);
+        let mut bare = warm(&six, 0.3);
         bare.gyro.distrust();
         assert_eq!(bare.hint(), None, "no gyro");
         let pairs = Scenario::named("clear-dry").unwrap().differential().head();
-        assert_eq!(warm(&pairs, 10.0).hint(), None, "pairs know no temperature");
+        assert_eq!(warm(&pairs, 0.3).hint(), None, "pairs know no temperature");
     }
 }

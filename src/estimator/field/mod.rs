@@ -8,7 +8,7 @@
 //! - `model`: what a sensor should show; `start`, `begin`: where the filter begins;
 //! - `hear`: which readings are heard; `witness`: which sensor is not;
 //! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves;
-//! - `doubt`: a scene that is found not to be alike all around; `side`: how warm a side is expected to be;
+//! - `doubt`: a scene that is found not to be alike all around; `lean`: how far its horizon is expected to lean;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
 //! - `unheard`: what a sensor left out might have been right about;
 //! - `output`: angles, standard deviations, the underestimation guard.
@@ -21,10 +21,10 @@ mod doubt;
 mod gyro;
 mod hear;
 mod hint;
+mod lean;
 mod model;
 mod output;
 mod predict;
-mod side;
 mod start;
 mod state;
 mod stuck;
@@ -99,8 +99,8 @@ pub struct FieldEstimator {
     unlike: bool,
     /// And the attitude has been doubted for it.
     tilted: bool,
-    /// A warm side has been found to be larger than expected.
-    sided: bool,
+    /// The horizon has been found to lean farther than expected.
+    leant: bool,
     /// For how long one of these is being found, s.
     found_s: f64,
     /// How far it has turned about the vertical since it began, rad.
@@ -138,7 +138,7 @@ impl FieldEstimator {
             misfit: Misfit::default(),
             unlike: false,
             tilted: false,
-            sided: false,
+            leant: false,
             found_s: 0.0,
             turned: 0.0,
         }

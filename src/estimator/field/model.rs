@@ -1,10 +1,10 @@
 //! What each sensor of the head should show, with the slopes.
 
 use super::state::MAX_SENSORS;
-use crate::estimator::vector::{Vector, add_scaled, cross, dot};
+use crate::estimator::vector::{Vector, add_scaled, cross, dot, unit};
 use crate::frame::Frame;
 use crate::head::{Head, SensorKind};
-use crate::sky::family::{Level, RADIANCE_K};
+use crate::sky::family::RADIANCE_K;
 use crate::sky::{Family, FieldOfView};
 use crate::time::Time;
 
@@ -39,8 +39,8 @@ pub struct Seen {
     pub sky: f64,
     /// With the share of averaging in radiance, K.
     pub by_radiance: f64,
-    /// With the warmth of the sky's north and west, and the ground's.
-    pub by_side: [f64; 4],
+    /// With how far the horizon leans up to north and to west, K/rad.
+    pub by_lean: [f64; 2],
 }
 
 /// What lies around.
@@ -54,8 +54,8 @@ pub struct Scene {
     pub ln_depth: f64,
     /// The share of averaging in radiance.
     pub radiance: f64,
-    /// How much warmer north and west of the sky, then of the ground, are, K.
-    pub side_k: [f64; 4],
+    /// How far the horizon that is seen leans up to north and to west, where it is warmer, rad.
+    pub lean: [f64; 2],
 }
 
 impl Model {
@@ -90,52 +90,40 @@ impl Model {
     /// What sensor `i` shows at rest with these level axes (rows: north, west, up on the body).
     pub fn seen(&self, i: usize, axes: &[Vector; 3], scene: &Scene) -> Seen {
         let Channel { direction, kind } = self.channels[i];
-        let sine = dot(direction, axes[2]);
-        let side = [dot(direction, axes[0]), dot(direction, axes[1])];
+        let [north, west, up] = axes;
+        let up = add_scaled(add_scaled(*up, -scene.lean[0], *north), -scene.lean[1], *west);
+        let up = unit(up).unwrap_or(axes[2]);
+        let sine = dot(direction, up);
         let share = scene.contrast_k / RADIANCE_K;
         let high = self.family.level(sine, scene.ln_depth, scene.radiance * share);
-        let sides = |level: &Level| -> [f64; 4] { std::array::from_fn(|i| level.side[i / 2] * side[i % 2]) };
-        // What is warm around turns with the level axes: K for the direction's components on north and west.
-        let around = |level: &Level| -> [f64; 2] {
-            std::array::from_fn(|k| level.side[0] * scene.side_k[k] + level.side[1] * scene.side_k[k + 2])
-        };
-        let turned = |slope: f64, [north, west]: [f64; 2]| {
-            let to = add_scaled(axes[2].map(|c| slope * c), north, axes[0]);
-            cross(direction, add_scaled(to, west, axes[1]))
-        };
-        let warmth = |by: &[f64; 4]| by.iter().zip(scene.side_k).map(|(b, k)| b * k).sum::<f64>();
+        let by_turn = |slope: f64| cross(direction, up.map(|c| slope * c));
+        let by_lean = |slope: f64| [north, west].map(|level| -slope * dot(direction, *level));
         match kind {
             SensorKind::Absolute => {
                 let slope = -scene.contrast_k * high.by_sine;
-                let by_side = sides(&high);
-                let round = around(&high);
                 Seen {
-                    value: scene.ground_c - scene.contrast_k * high.value + warmth(&by_side),
-                    by_turn: turned(slope, round),
+                    value: scene.ground_c - scene.contrast_k * high.value,
+                    by_turn: by_turn(slope),
                     by_ground: 1.0,
                     by_contrast: -high.value,
                     by_depth: -scene.contrast_k * high.by_ln_depth,
                     sky: (high.value * 3.0).clamp(0.35, 1.0),
                     by_radiance: -scene.contrast_k * share * high.by_radiance,
-                    by_side,
+                    by_lean: by_lean(slope),
                 }
             }
             SensorKind::Pair { .. } => {
                 let low = self.family.level(-sine, scene.ln_depth, scene.radiance * share);
                 let slope = scene.contrast_k * (high.by_sine + low.by_sine);
-                let (up, down) = (sides(&high), sides(&low));
-                let [one, other] = [around(&high), around(&low)];
-                let round = [-one[0] - other[0], -one[1] - other[1]];
-                let by_side = std::array::from_fn(|i| -up[i] - down[i]);
                 Seen {
-                    value: scene.contrast_k * (high.value - low.value) + warmth(&by_side),
-                    by_turn: turned(slope, round),
+                    value: scene.contrast_k * (high.value - low.value),
+                    by_turn: by_turn(slope),
                     by_ground: 0.0,
                     by_contrast: high.value - low.value,
                     by_depth: scene.contrast_k * (high.by_ln_depth - low.by_ln_depth),
                     sky: 1.4,
                     by_radiance: scene.contrast_k * share * (high.by_radiance - low.by_radiance),
-                    by_side,
+                    by_lean: by_lean(slope),
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! From one frame to the next: how the state moves, and what that leaves in doubt.
 
 use super::model::{Model, Scene};
-use super::state::{CONTRAST, DEPTH, GROUND, LAG, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SIDE, State, TURN};
+use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, State, TURN};
 use super::tuning::Tuning;
 use crate::estimator::flying::G_M_S2;
 use crate::estimator::vector::{Vector, add_scaled, cross, length, product, rotation, unit};
@@ -99,7 +99,7 @@ fn add_noise(
     pace: &Pace,
     lost: (f64, f64),
 ) {
-    let found_k = state.x[SIDE..SIDE + 4].iter().map(|k| k * k).sum::<f64>().sqrt();
+    let found = state.x[LEAN].hypot(state.x[LEAN + 1]);
     let mut add = |i: usize, variance: f64| state.p[i][i] += variance;
     for i in 0..3 {
         if let Some(rates) = turns {
@@ -119,9 +119,9 @@ fn add_noise(
         add(OFFSET + i, t.offset.1.powi(2) * dt_s);
     }
     if turns.is_some() {
-        let side = t.side.1 + pace.unlike * t.unlike_side_walk + t.side_share * found_k;
-        (SIDE..SIDE + 4).for_each(|i| add(i, side * side * dt_s));
-        state.side_k2 += side * side * dt_s;
+        let walk = t.lean.1 + pace.unlike * t.unlike_lean_walk + t.lean_share * found;
+        (LEAN..LEAN + 2).for_each(|i| add(i, walk * walk * dt_s));
+        state.lean2 += walk * walk * dt_s;
     }
     (SEEN + sensors..SEEN + 2 * sensors).for_each(|i| add(i, pace.scene_k2 * lost.1));
 }
@@ -140,13 +140,13 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
         state.axes.map(|a| unit(add_scaled(a, age_s, cross(rate, a))).unwrap_or(a))
     };
     let scene = scene(state);
-    let mut slopes = [[(0_usize, 0.0_f64); 16]; MAX_SENSORS];
+    let mut slopes = [[(0_usize, 0.0_f64); 14]; MAX_SENSORS];
     for (i, slope) in slopes[..sensors].iter_mut().enumerate() {
         let s = model.seen(i, &axes, &scene);
         let own = SEEN + sensors + i;
         let input = s.value + s.sky * state.x[own];
         let lag = if lag_s > 1e-4 { keep * dt_s / lag_s * (state.x[SEEN + i] - input) } else { 0.0 };
-        let ([x, y, z], side) = (s.by_turn, s.by_side);
+        let ([x, y, z], [north, west]) = (s.by_turn, s.by_lean);
         *slope = [
             (TURN, x),
             (TURN + 1, y),
@@ -158,15 +158,13 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
             (CONTRAST, s.by_contrast),
             (DEPTH, s.by_depth),
             (RADIANCE, s.by_radiance),
-            (SIDE, side[0]),
-            (SIDE + 1, side[1]),
-            (SIDE + 2, side[2]),
-            (SIDE + 3, side[3]),
+            (LEAN, north),
+            (LEAN + 1, west),
             (own, s.sky),
             (LAG, 0.0),
         ];
         slope.iter_mut().for_each(|(_, v)| *v *= gain);
-        slope[15].1 = lag;
+        slope[13].1 = lag;
         state.x[SEEN + i] = keep * state.x[SEEN + i] + gain * input;
         state.plain[i] = keep * state.plain[i] + gain * s.value;
     }
@@ -193,6 +191,6 @@ pub fn scene(state: &State) -> Scene {
         contrast_k: state.x[CONTRAST],
         ln_depth: state.x[DEPTH],
         radiance: state.x[RADIANCE],
-        side_k: std::array::from_fn(|i| state.x[SIDE + i]),
+        lean: [state.x[LEAN], state.x[LEAN + 1]],
     }
 }

@@ -15,16 +15,16 @@ pub const GROUND: usize = 6;
 pub const CONTRAST: usize = 7;
 /// The logarithm of the sky's optical depth.
 pub const DEPTH: usize = 8;
-/// How much warmer than the mean the north and the west of the sky are, then of the ground, K.
-pub const SIDE: usize = 9;
+/// How far the horizon that the sensors see leans up to north and to west, where it is warmer, rad.
+pub const LEAN: usize = 9;
 /// What coordinated turns and climb say more than the thermopiles: roll and pitch, rad.
-pub const OFFSET: usize = 13;
+pub const OFFSET: usize = 11;
 /// The logarithm of the sensors' time constant over the configured one.
-pub const LAG: usize = 15;
+pub const LAG: usize = 13;
 /// The share of averaging in radiance.
-pub const RADIANCE: usize = 16;
+pub const RADIANCE: usize = 14;
 /// What each sensor shows, lag included; then each sensor's own scene.
-pub const SEEN: usize = 17;
+pub const SEEN: usize = 15;
 
 /// The most states.
 pub const MAX: usize = SEEN + 2 * MAX_SENSORS;
@@ -40,8 +40,8 @@ pub struct State {
     pub plain: [f64; MAX_SENSORS],
     /// Covariance.
     pub p: [[f64; MAX]; MAX],
-    /// The variance that each warm side was expected to have, with what its walk has added, K².
-    pub side_k2: f64,
+    /// The variance that each lean was expected to have, with what its walk has added, rad².
+    pub lean2: f64,
     sensors: usize,
 }
 
@@ -53,7 +53,7 @@ impl State {
             x: [0.0; MAX],
             plain: [0.0; MAX_SENSORS],
             p: [[0.0; MAX]; MAX],
-            side_k2: 0.0,
+            lean2: 0.0,
             sensors: sensors.min(MAX_SENSORS),
         }
     }
@@ -103,10 +103,15 @@ impl State {
         h.iter().map(|(i, a)| a * h.iter().map(|(j, b)| b * self.p[*i][*j]).sum::<f64>()).sum()
     }
 
-    /// Takes in a measurement of state `i` itself.
-    pub fn correct_one(&mut self, i: usize, innovation: f64, variance: f64) {
+    /// Takes in a reading of state `i`. Nothing is learnt from it of how the horizon leans: that looks like an attitude,
+    /// and what does not is a scene's shape, which nobody knows (a Schmidt–Kalman filter, which considers it).
+    pub fn read(&mut self, i: usize, innovation: f64, variance: f64) {
         let (ph, n) = (self.p[i], self.size());
+        let lean = [LEAN, LEAN + 1].map(|k| (self.x[k], self.p[k][LEAN], self.p[k][LEAN + 1]));
         gain(&mut self.x, &mut self.p, n, &ph, ph[i] + variance, innovation);
+        for (k, (x, north, west)) in (LEAN..).zip(lean) {
+            (self.x[k], self.p[k][LEAN], self.p[k][LEAN + 1]) = (x, north, west);
+        }
     }
 
     /// Turns the body by `turn`, rad: the axes go the other way.
@@ -123,14 +128,12 @@ impl State {
         let (sin, cos) = angle.sin_cos();
         let turned = |north: f64, west: f64| (cos * north + sin * west, cos * west - sin * north);
         let n = self.size();
-        for at in [SIDE, SIDE + 2] {
-            (self.x[at], self.x[at + 1]) = turned(self.x[at], self.x[at + 1]);
-            for j in 0..n {
-                (self.p[at][j], self.p[at + 1][j]) = turned(self.p[at][j], self.p[at + 1][j]);
-            }
-            for row in &mut self.p[..n] {
-                (row[at], row[at + 1]) = turned(row[at], row[at + 1]);
-            }
+        (self.x[LEAN], self.x[LEAN + 1]) = turned(self.x[LEAN], self.x[LEAN + 1]);
+        for j in 0..n {
+            (self.p[LEAN][j], self.p[LEAN + 1][j]) = turned(self.p[LEAN][j], self.p[LEAN + 1][j]);
+        }
+        for row in &mut self.p[..n] {
+            (row[LEAN], row[LEAN + 1]) = turned(row[LEAN], row[LEAN + 1]);
         }
     }
 

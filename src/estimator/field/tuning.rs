@@ -30,14 +30,14 @@ pub struct Tuning {
     pub depth: (f64, f64, f64),
     /// The share of averaging in radiance: mean and standard deviation.
     pub radiance: (f64, f64),
-    /// A side of the sky, or of the ground, that is warmer: at first and its walk.
-    pub side: (f64, f64),
+    /// How far a horizon leans where one side is warmer: at first and its walk.
+    pub lean: (f64, f64),
     /// What its walk is more, as a share of what has been found.
-    pub side_share: f64,
+    pub lean_share: f64,
     /// Its walk while the scene is seen to be unlike a sky alike all around.
-    pub unlike_side_walk: f64,
-    /// With a gyro, how large a warm side is thought to be once there is one.
-    pub unlike_side: f64,
+    pub unlike_lean_walk: f64,
+    /// With a gyro, how far it is thought to lean once it does.
+    pub unlike_lean: f64,
     /// What else the attitude may be wrong by once the scene is found to be unlike.
     pub unlike_turn: f64,
     /// How large a warm side may then be that nothing shows, without a gyro; with one, beyond what the
@@ -80,20 +80,20 @@ impl Default for Tuning {
             contrast: (0.02, 5.0),
             depth: (-1.2, 0.8, 0.005),
             radiance: (0.5, 0.5),
-            side: (0.05, 0.0015),
-            side_share: 0.006,
-            unlike_side_walk: 0.1,
-            unlike_side: 1.2,
+            lean: (deg(0.05), deg(0.0022)),
+            lean_share: 0.006,
+            unlike_lean_walk: deg(0.1),
+            unlike_lean: deg(2.5),
             unlike_turn: deg(0.3),
             unlike_side_k: (1.35, 0.25),
-            hidden: (3.5, 2.0),
+            hidden: (3.5, 1.0),
             scene: (0.15, 0.012),
             scene_time_s: 60.0,
             scene_angle: (0.8, 3.0),
             scene_learning_s: (2.0, 8.0),
             offset: (deg(6.0), deg(0.02)),
-            turn: (deg(3.0), 0.5),
-            climb: (deg(2.0), 0.5),
+            turn: (deg(3.0), 1.0),
+            climb: (deg(2.0), 1.0),
             heading: (deg(15.0), 20.0),
         }
     }

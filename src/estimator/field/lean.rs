@@ -1,0 +1,138 @@
+//! A side of the sky, or of the ground, that is warmer: how far the horizon is expected to lean.
+//!
+//! Where it is warmer the horizon looks higher, and a whole horizon that leans looks like an attitude: only what tells of
+//! the attitude otherwise, turns and climb, tells how it leans. Most skies are much alike all around, and a filter that
+//! expects any lean at all would wait for these. So little is expected, until what has been said is far more likely where
+//! there is much. What was said until then is not lost: of normal distributions one expectation can be taken out and
+//! another put in, as by a measurement whose variance is negative.
+
+use super::state::{LEAN, MAX, OFFSET, State, TURN, gain};
+use crate::estimator::vector::cross;
+
+/// How many times more likely, as a logarithm, a large lean must be.
+const SURE: f64 = 7.0;
+
+/// Whether leans of standard deviation `large` (rad) explain what was said so far better than the ones that were expected.
+pub fn shows(state: &State, large: f64) -> bool {
+    let mut x = [state.x[LEAN], state.x[LEAN + 1]];
+    let mut p: [[f64; 2]; 2] = std::array::from_fn(|i| [state.p[LEAN + i][LEAN], state.p[LEAN + i][LEAN + 1]]);
+    let mut likelier = 0.0;
+    for i in 0..2 {
+        let (mean, variance) = (x[i], p[i][i]);
+        let Some(taken) = negative(variance, state.lean2, large * large) else { return false };
+        let ph = p[i];
+        gain(&mut x, &mut p, 2, &ph, variance + taken, -mean);
+        let shown = x[i] * x[i] / p[i][i] - mean * mean / variance;
+        likelier += 0.5 * (shown + (p[i][i] / variance * state.lean2 / (large * large)).ln());
+    }
+    likelier > SURE
+}
+
+/// Expects leans of standard deviation `large` (rad) from now on, and of what was said so far too.
+pub fn expect(state: &mut State, large: f64) {
+    let n = state.size();
+    for i in LEAN..LEAN + 2 {
+        if let Some(taken) = negative(state.p[i][i], state.lean2, large * large) {
+            let ph: [f64; MAX] = state.p[i];
+            let mean = state.x[i];
+            gain(&mut state.x, &mut state.p, n, &ph, ph[i] + taken, -mean);
+        }
+    }
+    state.lean2 = large * large;
+}
+
+/// A horizon that leans by `lean` (rad) may have been taken for an attitude, and that for an offset of the slow
+/// references: doubt along the line on which nothing shows.
+pub fn hide(s: &mut State, lean: f64) {
+    let up = s.vertical();
+    for i in 0..2 {
+        let level = s.axes[i];
+        let turn = cross(level, up).map(|c| lean * c);
+        let upright = if up[2].abs() < 0.3 { 0.3_f64.copysign(up[2]) } else { up[2] };
+        let line = [
+            (LEAN + i, lean),
+            (TURN, turn[0]),
+            (TURN + 1, turn[1]),
+            (TURN + 2, turn[2]),
+            (OFFSET, -lean * level[1] / upright),
+            (OFFSET + 1, -lean * level[0]),
+        ];
+        for (a, x) in line {
+            for (b, y) in line {
+                s.p[a][b] += x * y;
+            }
+        }
+    }
+}
+
+/// The variance of the measurement that takes out an expectation of variance `was` and puts in `large`; none where
+/// that was no smaller, or the readings have told less than nothing.
+fn negative(variance: f64, was: f64, large: f64) -> Option<f64> {
+    let taken = 1.0 / (1.0 / large - 1.0 / was);
+    (was < large && variance < (1.0 + 1e-9) * was).then_some(taken)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::state::TURN;
+    use super::*;
+
+    /// A few readings of leans and of a turn together, none of which says all; `lean` was expected before.
+    fn told(lean: f64, readings: &[f64]) -> State {
+        let mut state = State::new(6);
+        state.lean2 = lean * lean;
+        for i in LEAN..LEAN + 2 {
+            state.set_variance(i, state.lean2);
+        }
+        (TURN..TURN + 2).for_each(|i| state.set_variance(i, 0.01));
+        for (k, reading) in readings.iter().enumerate() {
+            let turned = k as f64;
+            let h = [(LEAN, turned.cos()), (LEAN + 1, turned.sin()), (TURN, 10.0)];
+            let innovation = reading - h.iter().map(|(i, c)| c * state.x[*i]).sum::<f64>();
+            state.correct(&h, innovation, 0.01);
+        }
+        state
+    }
+
+    /// What a lean of `lean` to the north shows, seen all around.
+    fn around(lean: f64) -> Vec<f64> {
+        (0..12).map(|i| lean * f64::from(i).cos()).collect()
+    }
+
+    #[test]
+    fn what_is_expected_later_is_as_if_it_had_been_from_the_beginning() {
+        for north in [0.0, 0.3, 2.0] {
+            let (mut late, early) = (told(0.05, &around(north)), told(1.2, &around(north)));
+            assert!((late.x[LEAN] - early.x[LEAN]).abs() >= 0.01 * north);
+            expect(&mut late, 1.2);
+            for i in 0..late.size() {
+                assert!((late.x[i] - early.x[i]).abs() < 1e-6, "{north}, state {i}");
+                for j in 0..late.size() {
+                    assert!((late.p[i][j] - early.p[i][j]).abs() < 1e-6, "{north}, {i} and {j}");
+                }
+            }
+            assert_eq!(late.lean2, 1.2 * 1.2);
+        }
+    }
+
+    #[test]
+    fn a_lean_shows_and_an_even_sky_does_not() {
+        for (north, there) in [(0.0, false), (0.1, false), (1.0, true), (-3.0, true)] {
+            assert_eq!(shows(&told(0.05, &around(north)), 1.2), there, "{north}");
+        }
+        assert!(!shows(&told(0.05, &[]), 1.2), "nothing was read");
+        assert!(!shows(&told(2.0, &around(3.0)), 1.2), "more was expected");
+    }
+
+    #[test]
+    fn no_more_is_taken_out_than_there_is() {
+        let mut state = told(0.05, &around(1.0));
+        // A walk that nobody told of.
+        (LEAN..LEAN + 2).for_each(|i| state.add_variance(i, 1.0));
+        let before = state.clone();
+        assert!(!shows(&state, 1.2));
+        expect(&mut state, 1.2);
+        assert_eq!(state.x, before.x);
+        assert!(state.is_sound());
+    }
+}
