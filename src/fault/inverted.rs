@@ -34,6 +34,8 @@ impl Inverted {
     /// Takes in what was seen at `now`. A frame in which nothing was seen changes nothing.
     pub fn update(&mut self, solution: &Solution, now: Time) -> State {
         let Some([_, _, z]) = solution.seen_k else { return self.inverted.state() };
+        // What a method goes by may still be upside down.
+        let z = solution.contrast_k.map_or(z, |contrast| contrast.min(z));
         self.vertical_k = z;
         let limit_k = if self.inverted.is_active() { 0.0 } else { self.limit_k };
         self.inverted.update(z < limit_k, now)

@@ -61,6 +61,8 @@ use witness::Witnesses;
 const GAP_S: f64 = 2.0;
 /// Without enough sensors the attitude is carried so long, s: by a motion model, by a gyro.
 const CARRIED_S: (f64, f64) = (0.1, 1.0);
+/// So long what is seen must be against all that is known for it to begin anew, s: a sensor that films over is found.
+const LOST_S: f64 = 0.5;
 /// After so long without a contrast to see by the filter begins anew when it is back, s.
 const BLIND_S: f64 = 0.3;
 
@@ -103,6 +105,8 @@ pub struct FieldEstimator {
     leant: bool,
     /// For how long one of these is being found, s.
     found_s: f64,
+    /// For how long what is seen has been against all that is known, s.
+    lost_s: f64,
     /// How far it has turned about the vertical since it began, rad.
     turned: f64,
 }
@@ -140,6 +144,7 @@ impl FieldEstimator {
             tilted: false,
             leant: false,
             found_s: 0.0,
+            lost_s: 0.0,
             turned: 0.0,
         }
     }
@@ -235,6 +240,8 @@ impl Estimator for FieldEstimator {
         }
         // What one sensor does must not be taken for the attitude, or for the gyro.
         let lost = self.misfit.is_lost(self.state.x[CONTRAST], self.gyro.in_use()) && !self.undecided(now);
+        self.lost_s = if lost { self.lost_s + dt_s.clamp(0.0, 1.0) } else { 0.0 };
+        let lost = self.lost_s > LOST_S;
         if lost {
             self.gyro.distrust();
         }
