@@ -57,7 +57,8 @@ impl FieldEstimator {
         }
     }
 
-    /// The attitude, which a warm side may have been taken for; where the horizon was taken for `even` so far, how it leans too.
+    /// The attitude, for which a warm side may have been taken; where the horizon was taken for `even` so far, how it
+    /// leans too.
     fn doubt_attitude(&mut self, even: bool) {
         let (s, t) = (&mut self.state, &self.tuning);
         for i in 0..3 {

@@ -74,7 +74,7 @@ fn negative(variance: f64, was: f64, large: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::state::TURN;
+    use super::super::state::SEEN;
     use super::*;
 
     /// A few readings of leans and of a turn together, none of which says all; `lean` was expected before.
@@ -122,6 +122,32 @@ mod tests {
         }
         assert!(!shows(&told(0.05, &[]), 1.2), "nothing was read");
         assert!(!shows(&told(2.0, &around(3.0)), 1.2), "more was expected");
+    }
+
+    /// Readings tell of the attitude, but never better than the lean is known; a reference tells of both.
+    #[test]
+    fn readings_tell_nothing_of_it_and_references_do() {
+        let mut state = State::new(6);
+        state.set_variance(LEAN, 0.04_f64.powi(2));
+        state.set_variance(TURN + 1, 0.1_f64.powi(2));
+        // A sensor that shows 20 K for a radian of either.
+        let shows = SEEN;
+        let by = 20.0;
+        let (lean, turn) = (state.p[LEAN][LEAN], state.p[TURN + 1][TURN + 1]);
+        for (i, covariance) in [(LEAN, by * lean), (TURN + 1, by * turn), (shows, by * by * (lean + turn) + 0.01)] {
+            (state.p[shows][i], state.p[i][shows]) = (covariance, covariance);
+        }
+        for _ in 0..1000 {
+            state.read(shows, 1.0, 0.01);
+        }
+        assert_eq!((state.x[LEAN], state.p[LEAN][LEAN]), (0.0, lean));
+        let sigma = state.p[TURN + 1][TURN + 1].sqrt();
+        assert!(state.x[TURN + 1] > 0.01 && (0.037..0.041).contains(&sigma), "{sigma}");
+        assert!((0..state.size()).all(|i| (0..i).all(|j| (state.p[i][j] - state.p[j][i]).abs() < 1e-12)));
+        // The attitude by something else.
+        state.correct(&[(TURN + 1, 1.0)], 0.0 - state.x[TURN + 1], 1e-6);
+        let left = state.p[LEAN][LEAN] / lean;
+        assert!(state.x[LEAN] > 0.01 && left < 0.2 && state.is_sound(), "{left}");
     }
 
     #[test]

@@ -61,7 +61,8 @@ use witness::Witnesses;
 const GAP_S: f64 = 2.0;
 /// Without enough sensors the attitude is carried so long, s: by a motion model, by a gyro.
 const CARRIED_S: (f64, f64) = (0.1, 1.0);
-/// So long what is seen must be against all that is known for it to begin anew, s: a sensor that films over is found.
+/// So long what is seen must be against all that is known for it to begin anew, s: in that time a sensor that films over
+/// is found out.
 const LOST_S: f64 = 0.5;
 /// After so long without a contrast to see by the filter begins anew when it is back, s.
 const BLIND_S: f64 = 0.3;
