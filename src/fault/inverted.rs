@@ -81,6 +81,17 @@ mod tests {
         }
     }
 
+    /// What one frame shows is upright, what the method goes by is not.
+    #[test]
+    fn a_method_that_is_upside_down_itself_is_told_too() {
+        for (contrast_k, expected) in [(Some(-1.1), State::Active), (Some(3.0), State::Clear), (None, State::Clear)] {
+            let mut inverted = Inverted::new(2.0);
+            let solution = Solution { contrast_k, ..seen(3.0) };
+            let state = (0..10).map(|i| inverted.update(&solution, at(10.0 + 0.02 * f64::from(i)))).last();
+            assert_eq!(state, Some(expected), "{contrast_k:?}");
+        }
+    }
+
     #[test]
     fn a_moment_is_none() {
         let mut inverted = Inverted::new(2.0);

@@ -240,8 +240,8 @@ impl Estimator for FieldEstimator {
             self.set_rates();
         }
         // What one sensor does must not be taken for the attitude, or for the gyro.
-        let lost = self.misfit.is_lost(self.state.x[CONTRAST], self.gyro.in_use()) && !self.undecided(now);
-        self.lost_s = if lost { self.lost_s + dt_s.clamp(0.0, 1.0) } else { 0.0 };
+        let against = self.misfit.is_lost(self.state.x[CONTRAST], self.gyro.in_use()) && !self.undecided(now);
+        self.lost_s = if against { self.lost_s + dt_s.clamp(0.0, 1.0) } else { 0.0 };
         let lost = self.lost_s > LOST_S;
         if lost {
             self.gyro.distrust();
