@@ -41,12 +41,6 @@ const MOST: f64 = 1.3;
 /// And as far as stamps may be off, s: half a millisecond the autopilot's, which count milliseconds, half a millisecond
 /// the daemon's, and a millisecond the answers to TIMESYNC on a machine that has other things to do.
 const STAMPS_S: f64 = 0.002;
-/// What is published is of the moment of the scan, for which no rates are there yet: the aircraft's last 40 to 120 ms
-/// are a guess, a quarter as far off as holding the newest rates. By so much of what that errs by may it be beyond the
-/// rest. Errors of 1.3 times those of a recording are missed here, by as much as is printed: with exact rates those are
-/// of hundredths of a degree, and gusts that accelerate by 40 °/s² on the average make 0.1° in 70 ms.
-const OF_HELD: f64 = 0.3;
-
 /// Roll and pitch, °.
 type Degrees = [f64; 2];
 
@@ -143,14 +137,14 @@ fn an_autopilot_far_away_is_nearly_as_good_as_a_recording() {
     println!("{}", json["autopilot"]);
     assert_eq!(json["autopilot"]["system_id"], 7);
     assert!(shown.used && shown.synced, "{shown:?}");
-    assert!((30.0..50.0).contains(&shown.rates_hz) && (0.035..0.1).contains(&shown.late_s.unwrap()), "{shown:?}");
+    assert!((60.0..100.0).contains(&shown.rates_hz) && (0.035..0.1).contains(&shown.late_s.unwrap()), "{shown:?}");
     let differs = [shown.roll_difference_deg.unwrap() - 5.0, shown.pitch_difference_deg.unwrap() + 5.0];
     assert!(differs.iter().all(|d| d.abs() < 1.0), "{shown:?}");
 
-    // Asked once each, and again where the answer was lost; what comes unasked never.
+    // Asked once each, and again where the answer was lost.
     println!("asked for {:?}, answers lost {:?}", pilot.asked, pilot.unanswered);
     let count = |ids: &[u32], id| ids.iter().filter(|i| **i == id).count();
-    assert!(!pilot.asked.contains(&u32::from(process::ATTITUDE)));
+    assert!(pilot.asked.contains(&u32::from(process::ATTITUDE)));
     for id in &pilot.asked {
         assert!(count(&pilot.asked, *id) <= 1 + count(&pilot.unanswered, *id), "{:?}", pilot.asked);
     }
@@ -168,11 +162,10 @@ fn an_autopilot_far_away_is_nearly_as_good_as_a_recording() {
     let [exact, bare] = [true, false].map(|with| rms(&recorded(origin, first, with)));
     let aligned = rms(&replayed(origin, &file));
     let published = rms(&measured.iter().map(|t| error(t.attitude, pilot.truth(t.time))).collect::<Vec<_>>());
-    let unknown = rms(&measured.iter().map(|t| pilot.unknown(t.time)).collect::<Vec<_>>());
     let rates: Vec<_> = measured.iter().map(|t| pilot.rates(t.time)).collect();
     let stamps = rms(&rates).map(|rate| rate * STAMPS_S);
     println!("rms errors of roll and pitch, °: recorded with exact rates {exact:.3?}, without rates {bare:.3?}");
-    println!("aligned {aligned:.3?}, published {published:.3?}; stamps {stamps:.3?}, rates held {unknown:.3?}");
+    println!("aligned {aligned:.3?}, published {published:.3?}; stamps {stamps:.3?}");
     for i in [0, 1] {
         let most = MOST * exact[i] + stamps[i];
         let note = |what: &str, is: f64| {
@@ -180,11 +173,8 @@ fn an_autopilot_far_away_is_nearly_as_good_as_a_recording() {
         };
         note("aligned", aligned[i]);
         note("published", published[i]);
-        if published[i] > MOST * exact[i] {
-            println!("axis {i}: as published {:.3}° beyond {MOST} of that recorded", published[i] - MOST * exact[i]);
-        }
         assert!(aligned[i] <= most, "{} of {most}", aligned[i]);
-        assert!(published[i] <= most + OF_HELD * unknown[i], "{} of {most} and {}", published[i], unknown[i]);
+        assert!(published[i] <= most, "{} of {most}", published[i]);
         assert!(published[i] < 0.5 * bare[i], "{} and {} without", published[i], bare[i]);
     }
 }

@@ -12,7 +12,9 @@ use irhorizon::simulation::{Scenario, SimulatedSource};
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
 use mavlink::MessageData;
-use mavlink::dialects::common::{COMMAND_ACK_DATA, GLOBAL_POSITION_INT_DATA, MavResult, TIMESYNC_DATA, VFR_HUD_DATA};
+use mavlink::dialects::common::{
+    ATTITUDE_DATA, COMMAND_ACK_DATA, GLOBAL_POSITION_INT_DATA, MavResult, TIMESYNC_DATA, VFR_HUD_DATA,
+};
 use std::collections::BTreeMap;
 use std::time::Duration;
 use voice::{Voice, WAY};
@@ -21,6 +23,8 @@ use voice::{Voice, WAY};
 const JITTER_NS: u64 = 8_000_000;
 /// How long the autopilot has been running when the flight begins here: its clock less ours.
 const BEHIND: Duration = Duration::from_nanos(987_654_321_987);
+/// How often it sends ATTITUDE unasked.
+const PERIOD: Duration = Duration::from_millis(20);
 /// Its messages are of moments between ours.
 const PHASE: Duration = Duration::from_millis(7);
 
@@ -30,7 +34,11 @@ pub struct Autopilot {
     frame: Frame,
     /// Added to the attitude that it tells.
     pub wrong: Attitude,
+    /// Whether it sends ATTITUDE as often as it is asked to.
+    pub obliges: bool,
     voice: Voice,
+    /// How often ATTITUDE is sent in 20 ms: as asked for.
+    often: u32,
     /// By their arrival.
     on_the_way: BTreeMap<(Time, u8), Vec<u8>>,
 }
@@ -40,7 +48,15 @@ impl Autopilot {
     pub fn new(scenario: &Scenario, seed: u64, origin: Time) -> Self {
         let flight = scenario.source(seed).with_origin(origin);
         let frame = Frame::new(scenario.head().sensors.len());
-        Self { flight, frame, wrong: Attitude::default(), voice: Voice::new(seed), on_the_way: BTreeMap::new() }
+        Self {
+            flight,
+            frame,
+            wrong: Attitude::default(),
+            obliges: true,
+            voice: Voice::new(seed),
+            often: 1,
+            on_the_way: BTreeMap::new(),
+        }
     }
 
     /// Its time, ns, at a moment of ours.
@@ -57,13 +73,18 @@ impl Autopilot {
 
     /// What it does in the 20 ms that begin at `tick`.
     pub fn step(&mut self, tick: Time) {
-        let now = tick + PHASE;
+        if tick.as_nanos() % 1_000_000_000 < 20_000_000 {
+            self.send(tick + PHASE, &voice::heartbeat());
+        }
+        for i in 0..self.often {
+            self.speak(tick + PHASE + PERIOD / self.often * i);
+        }
+    }
+
+    fn speak(&mut self, now: Time) {
         self.flight.scan(now, &mut self.frame);
         let truth = self.flight.truth_at(now);
         let aiding = self.frame.aiding;
-        if tick.as_nanos() % 1_000_000_000 < 20_000_000 {
-            self.send(now, &voice::heartbeat());
-        }
         if let [Some(p), Some(q), Some(r)] = aiding.gyro_deg_s {
             self.send(now, &voice::attitude(self.clock(now), truth, self.wrong, 1.0, [p, q, r]));
         }
@@ -99,6 +120,10 @@ impl Autopilot {
                     self.send(there, &TIMESYNC_DATA { tc1, ts1: question.ts1 });
                 }
                 Ask::Interval(command) => {
+                    if self.obliges && command.param1 == ATTITUDE_DATA::ID as f32 {
+                        let most = PERIOD.as_micros() as f32 / command.param2;
+                        self.often = (most.round() as u32).max(1);
+                    }
                     let result = MavResult::MAV_RESULT_ACCEPTED;
                     self.send(there, &COMMAND_ACK_DATA { command: command.command, result });
                 }

@@ -18,6 +18,7 @@ use std::net::{SocketAddr, UdpSocket};
 use std::time::Duration;
 use voice::{Voice, WAY};
 
+/// Between its words, unasked.
 const PERIOD: Duration = Duration::from_millis(20);
 /// Its clock less ours, µs.
 const CLOCK_USEC: i64 = 3_600_123_457;
@@ -55,26 +56,23 @@ pub struct FarAutopilot {
     /// When it last did.
     pub spoke: Time,
     next: Time,
-    beats: u32,
+    period: Duration,
+    /// When it is to send its next heartbeat.
+    beat: Time,
     voice: Voice,
     /// To the daemon, and from it, by their arrival.
-    down: BTreeMap<(Time, u8), Frame>,
+    down: BTreeMap<(Time, u8), Vec<u8>>,
     up: Vec<(Time, Question)>,
     /// Which messages it was asked to send, and of how many of these its answer was lost.
     pub asked: Vec<u32>,
     pub unanswered: Vec<u32>,
     pub told: Vec<Told>,
-    /// The rates that arrived: of when, and when that was.
-    rates: Vec<(Time, Time)>,
 }
-
-/// A message on its way: its bytes, and when it was made.
-type Frame = (Vec<u8>, Time);
 
 #[derive(Clone, Copy, Debug)]
 enum Question {
     Time(i64),
-    Interval(u32),
+    Interval(u32, Duration),
 }
 
 impl FarAutopilot {
@@ -89,14 +87,14 @@ impl FarAutopilot {
             talks: true,
             spoke: Time::default(),
             next: Time::default(),
-            beats: 0,
+            period: PERIOD,
+            beat: Time::default(),
             voice: Voice::new(seed),
             down: BTreeMap::new(),
             up: Vec::new(),
             asked: Vec::new(),
             unanswered: Vec::new(),
             told: Vec::new(),
-            rates: Vec::new(),
         }
     }
 
@@ -135,31 +133,19 @@ impl FarAutopilot {
     fn send<M: MessageData>(&mut self, at: Time, message: &M) -> bool {
         let said = self.voice.say(message);
         let arrives = said.is_some();
-        self.down.extend(said.map(|(number, bytes)| ((at + WAY, number), (bytes, at))));
+        self.down.extend(said.map(|(number, bytes)| ((at + WAY, number), bytes)));
         arrives
     }
 
     fn speak(&mut self, at: Time) {
-        if self.beats.is_multiple_of(50) {
+        if at >= self.beat {
             self.send(at, &voice::heartbeat());
+            self.beat = at + Duration::from_secs(1);
         }
-        self.beats += 1;
         let truth = self.truth(at);
         let rates = body_rates(&self.flight, at.since(self.origin));
         let attitude = voice::attitude(Self::clock_ns(at) as u64, truth, self.wrong, 1.25, rates);
         self.send(at, &attitude);
-    }
-
-    /// What one errs by at `now`, °, who knew all until the newest rates that had arrived, and held these.
-    pub fn unknown(&self, now: Time) -> [f64; 2] {
-        let there = self.rates.partition_point(|(_, arrival)| *arrival <= now);
-        let newest = self.rates[there - 1].0;
-        let angles = |time: Time, by_s: f64| self.flight.angles(time.since(self.origin) + by_s);
-        let (then, before, after) = (angles(newest, 0.0), angles(newest, -STEP_S), angles(newest, STEP_S));
-        [0, 1].map(|i| {
-            let held = then[i] + (after[i] - before[i]) / (2.0 * STEP_S) * now.since(newest);
-            (held - angles(now, 0.0)[i]).to_degrees()
-        })
     }
 
     fn answer(&mut self, at: Time, question: Question) {
@@ -167,7 +153,10 @@ impl FarAutopilot {
             Question::Time(ts1) => {
                 self.send(at, &TIMESYNC_DATA { tc1: Self::clock_ns(at), ts1 });
             }
-            Question::Interval(id) => {
+            Question::Interval(id, period) => {
+                if id == ATTITUDE_DATA::ID {
+                    self.period = period;
+                }
                 let (command, result) = (MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, MavResult::MAV_RESULT_ACCEPTED);
                 if !self.send(at, &COMMAND_ACK_DATA { command, result }) {
                     self.unanswered.push(id);
@@ -192,7 +181,7 @@ impl FarAutopilot {
                 if self.talks {
                     self.speak(at);
                 }
-                self.next = at + PERIOD;
+                self.next = at + self.period;
             }
             let there = self.up.iter().take_while(|(at, _)| *at <= now).count();
             for (at, question) in self.up.drain(..there).collect::<Vec<_>>() {
@@ -200,13 +189,10 @@ impl FarAutopilot {
             }
             while let (Some(entry), Some(daemon)) = (self.down.first_entry().filter(|e| e.key().0 <= now), self.daemon)
             {
-                let (frame, made) = entry.remove();
+                let frame = entry.remove();
                 if self.talks {
                     self.spoke = now;
                     self.socket.send_to(&frame, daemon).unwrap();
-                    if frame[7] == ATTITUDE_DATA::ID as u8 {
-                        self.rates.push((made, now));
-                    }
                 }
             }
         }
@@ -223,7 +209,7 @@ impl FarAutopilot {
                 assert_eq!((m.target_system, m.target_component), (7, 1), "{m:?}");
                 assert_eq!(m.command, MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, "{m:?}");
                 self.asked.push(m.param1 as u32);
-                Some(Question::Interval(m.param1 as u32))
+                Some(Question::Interval(m.param1 as u32, Duration::from_micros(m.param2 as u64)))
             }
             _ => None,
         };

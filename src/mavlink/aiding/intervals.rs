@@ -1,6 +1,7 @@
 //! Asking the autopilot for what it does not send by itself: politely, a few times, and then never again. Pure.
 
 use super::meter::Meter;
+use crate::config::settings::EndpointAddress;
 use crate::time::Time;
 use ::mavlink::MessageData;
 use ::mavlink::dialects::common::{
@@ -13,9 +14,15 @@ const WATCHED_S: f64 = 3.0;
 const ANSWER_S: f64 = 1.5;
 /// How often the same is asked.
 const TRIES: u8 = 3;
-/// The rates of ATTITUDE (at most; never more than the daemon's own), and of the other two, Hz.
-const RATES_HZ: f64 = 50.0;
+/// The rates of ATTITUDE, and of the other two, Hz. Of ATTITUDE two for each frame: the newest is the less old then, and
+/// what it is old by is a guess.
+const RATES_HZ: f64 = 100.0;
+const A_FRAME: f64 = 2.0;
 const SLOW_HZ: f64 = 5.0;
+/// ATTITUDE takes so many bits of a serial line: 40 bytes and what frames them.
+const BITS: f64 = 400.0;
+/// And may take so much of what the line carries.
+const SHARE: f64 = 0.35;
 
 /// A message that is wanted.
 #[derive(Clone, Copy, Debug)]
@@ -26,8 +33,10 @@ struct Wanted {
 }
 
 /// One way to the autopilot.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Way {
+    /// ATTITUDE comes no more often than this, Hz.
+    most_hz: f64,
     heard: Option<Time>,
     /// Which of the wanted is the next.
     at: usize,
@@ -42,18 +51,31 @@ pub struct Intervals {
     ways: Vec<Way>,
 }
 
+impl Way {
+    fn new(endpoint: &EndpointAddress) -> Self {
+        Self::to(match endpoint {
+            EndpointAddress::Serial { baud, .. } => (SHARE * f64::from(*baud) / BITS).floor().max(1.0),
+            _ => f64::INFINITY,
+        })
+    }
+
+    fn to(most_hz: f64) -> Self {
+        Self { most_hz, heard: None, at: 0, tries: 0, asked: None }
+    }
+}
+
 impl Intervals {
-    /// For a daemon of `rate_hz` with so many endpoints.
-    pub fn new(rate_hz: f64, endpoints: usize) -> Self {
+    /// For a daemon of `rate_hz` with these endpoints.
+    pub fn new(rate_hz: f64, endpoints: &[EndpointAddress]) -> Self {
         let wanted = |id, hz| Wanted { id, hz, comes: Meter::default() };
-        let rates = wanted(ATTITUDE_DATA::ID, rate_hz.min(RATES_HZ));
+        let rates = wanted(ATTITUDE_DATA::ID, (A_FRAME * rate_hz).min(RATES_HZ));
         let slow = [GLOBAL_POSITION_INT_DATA::ID, VFR_HUD_DATA::ID].map(|id| wanted(id, SLOW_HZ));
-        Self { wanted: [rates, slow[0], slow[1]], ways: vec![Way::default(); endpoints] }
+        Self { wanted: [rates, slow[0], slow[1]], ways: endpoints.iter().map(Way::new).collect() }
     }
 
     /// The autopilot was started again: it knows nothing of what it was asked.
     pub fn restart(&mut self) {
-        self.ways.fill(Way::default());
+        self.ways.iter_mut().for_each(|way| *way = Way::to(way.most_hz));
         self.wanted.iter_mut().for_each(|w| w.comes = Meter::default());
     }
 
@@ -83,14 +105,15 @@ impl Intervals {
             if way.asked.is_some_and(|at| (0.0..ANSWER_S).contains(&now.since(at))) {
                 return None;
             }
-            if way.tries >= TRIES || 2.0 * wanted.comes.hz(now) >= wanted.hz {
+            let hz = wanted.hz.min(way.most_hz);
+            if way.tries >= TRIES || 2.0 * wanted.comes.hz(now) >= hz {
                 (way.at, way.tries, way.asked) = (way.at + 1, 0, None);
                 continue;
             }
             (way.tries, way.asked) = (way.tries + 1, Some(now));
             return Some(COMMAND_LONG_DATA {
                 param1: wanted.id as f32,
-                param2: (1e6 / wanted.hz) as f32,
+                param2: (1e6 / hz) as f32,
                 command: MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL,
                 target_system: system,
                 target_component: 1,
@@ -110,9 +133,17 @@ mod tests {
         Time::from_secs_f64(20.0 + f64::from(ms) / 1000.0)
     }
 
+    fn ways(of: &[&str]) -> Vec<EndpointAddress> {
+        let address = |of: &&str| match of.parse() {
+            Ok(baud) => EndpointAddress::Serial { path: "/dev/ttyS0".into(), baud },
+            Err(_) => EndpointAddress::UdpIn(of.parse().unwrap()),
+        };
+        of.iter().map(address).collect()
+    }
+
     /// What is asked in 30 s at endpoint 0 where `comes` of ATTITUDE arrive a second, and `answer` is the answer.
     fn asked(comes: u32, answer: Option<MavResult>) -> Vec<(u32, u32, f32)> {
-        let mut intervals = Intervals::new(20.0, 1);
+        let mut intervals = Intervals::new(10.0, &ways(&["[::]:14550"]));
         let mut asked = Vec::new();
         for ms in (0..30_000).step_by(10) {
             if ms % 1000 == 0 {
@@ -150,7 +181,7 @@ mod tests {
 
     #[test]
     fn an_endpoint_where_it_is_not_heard_is_left_alone_and_a_start_begins_anew() {
-        let mut intervals = Intervals::new(50.0, 2);
+        let mut intervals = Intervals::new(50.0, &ways(&["57600", "[::]:14550"]));
         intervals.heard(at(0), 1, 0);
         intervals.heard(at(0), 9, 0);
         assert!(intervals.ask(at(9000), 0, 1).is_none() && intervals.ask(at(9000), 9, 1).is_none());
@@ -160,5 +191,16 @@ mod tests {
         intervals.answered(1, MavResult::MAV_RESULT_ACCEPTED);
         intervals.heard(at(10_000), 1, 0);
         assert_eq!(intervals.ask(at(13_000), 1, 1).map(|m| m.param1), Some(30.0));
+    }
+
+    #[test]
+    fn two_for_each_frame_and_no_more_than_a_third_of_a_serial_line() {
+        let hz = |rate_hz, way| {
+            let mut intervals = Intervals::new(rate_hz, &ways(&[way]));
+            intervals.heard(at(0), 0, 0);
+            (1e6 / intervals.ask(at(4000), 0, 1).unwrap().param2).round()
+        };
+        assert_eq!([5.0, 50.0, 200.0].map(|rate_hz| hz(rate_hz, "[::]:14550")), [10.0, 100.0, 100.0]);
+        assert_eq!(["9600", "57600", "115200", "921600"].map(|baud| hz(50.0, baud)), [8.0, 50.0, 100.0, 100.0]);
     }
 }

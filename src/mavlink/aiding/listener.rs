@@ -7,7 +7,7 @@ use super::intervals::Intervals;
 use super::meter::Meter;
 use super::timesync::Asker;
 use crate::aiding::{Inbox, Link, Said, What};
-use crate::config::settings::MavlinkSettings;
+use crate::config::settings::{EndpointAddress, MavlinkSettings};
 use crate::frame::Aiding;
 use crate::mavlink::deframe::Packet;
 use crate::mavlink::heard::Heard;
@@ -44,7 +44,7 @@ pub struct Listener {
     identity: Identity,
     component_id: u8,
     rate_hz: f64,
-    endpoints: usize,
+    endpoints: Vec<EndpointAddress>,
     inbox: Arc<Inbox>,
     link: Link,
     boot: Clock,
@@ -70,14 +70,19 @@ pub struct Listener {
     endpoint: usize,
 }
 
+fn addresses(settings: &MavlinkSettings) -> Vec<EndpointAddress> {
+    settings.endpoints.iter().map(|e| e.address.clone()).collect()
+}
+
 impl Listener {
     /// As `[mavlink]` says, for a daemon of `rate_hz`. What is heard goes to `inbox`.
     pub fn new(settings: &MavlinkSettings, rate_hz: f64, inbox: Arc<Inbox>) -> Self {
-        let endpoints = settings.endpoints.len();
+        let endpoints = addresses(settings);
         Self {
             identity: Identity::new(settings.system_id, settings.autopilot_id),
             component_id: settings.component_id,
             rate_hz,
+            intervals: Intervals::new(rate_hz, &endpoints),
             endpoints,
             inbox,
             link: Link { aids: settings.aiding, ..Link::default() },
@@ -85,7 +90,6 @@ impl Listener {
             epoch: Clock::default(),
             asker: Asker::default(),
             choice: Choice::default(),
-            intervals: Intervals::new(rate_hz, endpoints),
             rates: Meter::default(),
             gps: Meter::default(),
             air: Meter::default(),
@@ -111,9 +115,10 @@ impl Listener {
         self.identity = identity;
         self.component_id = settings.component_id;
         self.link.aids = settings.aiding;
-        if settings.endpoints.len() != self.endpoints || rate_hz != self.rate_hz {
-            (self.endpoints, self.rate_hz) = (settings.endpoints.len(), rate_hz);
-            self.intervals = Intervals::new(rate_hz, self.endpoints);
+        let endpoints = addresses(settings);
+        if endpoints != self.endpoints || rate_hz != self.rate_hz {
+            (self.endpoints, self.rate_hz) = (endpoints, rate_hz);
+            self.intervals = Intervals::new(rate_hz, &self.endpoints);
         }
         self.inbox.tell(self.link);
     }
