@@ -93,6 +93,8 @@ pub struct Estimate {
     pub measured: bool,
     /// Standard deviations of roll and pitch, rad; meaningful only beside an attitude.
     pub sigma: Attitude,
+    /// Body rates about x (nose), y (right), z (down), rad/s; `None` where they are not known.
+    pub rates: Option<[f64; 3]>,
     /// What was learnt in flight of the head's mounting, beyond the configured trim, rad: taken off already.
     pub trim: Attitude,
     /// The ground's temperature less the zenith's, as the vertical pair sees it, K; `None` before

@@ -32,6 +32,8 @@ pub struct Moment {
     pub attitude: Option<Attitude>,
     /// Their standard deviations, rad.
     pub sigma: Attitude,
+    /// Body rates about x (nose), y (right), z (down), rad/s, where they are known.
+    pub rates: Option<[f64; 3]>,
     /// How far to trust it.
     pub mode: Mode,
 }
@@ -65,8 +67,8 @@ pub struct Snapshot {
 impl Snapshot {
     /// The newest frame.
     pub fn moment(&self) -> Moment {
-        let Estimate { time, valid_at, attitude, sigma, mode, .. } = self.estimate;
-        Moment { sequence: self.sequence, written: self.written, time, valid_at, attitude, sigma, mode }
+        let Estimate { time, valid_at, attitude, sigma, rates, mode, .. } = self.estimate;
+        Moment { sequence: self.sequence, written: self.written, time, valid_at, attitude, sigma, rates, mode }
     }
 }
 

@@ -166,6 +166,9 @@ fn an_autopilot_far_away_is_nearly_as_good_as_a_recording() {
     let stamps = rms(&rates).map(|rate| rate * STAMPS_S);
     println!("rms errors of roll and pitch, °: recorded with exact rates {exact:.3?}, without rates {bare:.3?}");
     println!("aligned {aligned:.3?}, published {published:.3?}; stamps {stamps:.3?}");
+    let [off, are] = pilot.rates_off(&measured);
+    println!("body rates: {off:.2?} °/s off of {are:.2?}");
+    assert!(off.iter().zip(are).all(|(off, is)| *off < 0.15 * is), "{off:?} of {are:?}");
     for i in [0, 1] {
         let most = MOST * exact[i] + stamps[i];
         let note = |what: &str, is: f64| {
@@ -199,6 +202,7 @@ fn falls_silent(pilot: &mut FarAutopilot, bus: &Bus) {
     let silent_s = silent.since(pilot.origin());
     let alone = whole(pilot, (silent_s - 0.5, silent_s + 4.0));
     let errors: Vec<_> = alone.iter().map(|t| error(t.attitude, pilot.truth(t.time))).collect();
-    println!("alone: rms {:.2?}°", rms(&errors));
+    let [off, are] = pilot.rates_off(&alone);
+    println!("alone: rms {:.2?}°, body rates {off:.2?} °/s off of {are:.2?}", rms(&errors));
     assert!(rms(&errors).iter().all(|e| *e < 2.0), "{:?}", rms(&errors));
 }

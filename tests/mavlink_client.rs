@@ -99,6 +99,7 @@ fn pymavlink_hears_attitude_and_heartbeat() {
     let heard = hear(endpoint, &args, |i, estimate| {
         estimate.attitude = Some(Attitude::from_degrees(30.0 * (i as f64 * 0.1).sin(), -12.5));
         estimate.sigma = Attitude::from_degrees(1.0, 2.5);
+        estimate.rates = Some([20.0, -3.5, 7.25].map(f64::to_radians));
         estimate.contrast_k = Some(21.25);
         estimate.mode = Mode::Nominal;
     });
@@ -113,6 +114,9 @@ fn pymavlink_hears_attitude_and_heartbeat() {
     assert!(near(&attitude["roll_deg"]["min"], -30.0, 0.1) && near(&attitude["roll_deg"]["max"], 30.0, 0.1), "{heard}");
     assert!(near(&attitude["pitch_deg"]["min"], -12.5, 1e-4) && near(&attitude["pitch_deg"]["max"], -12.5, 1e-4));
     assert_eq!((&attitude["yaw_deg"]["min"], &attitude["yaw_deg"]["max"]), (&json!(0.0), &json!(0.0)));
+    for (span, rate) in attitude["rates_deg_s"].as_array().unwrap().iter().zip([20.0, -3.5, 7.25]) {
+        assert!(near(&span["min"], rate, 1e-4) && near(&span["max"], rate, 1e-4), "{heard}");
+    }
     assert_eq!((&attitude["time_boot_ms_monotonic"], &attitude["time_boot_ms_repeats"]), (&json!(true), &json!(0)));
     let stamp = attitude["time_boot_ms"]["last"].as_u64().unwrap();
     let ms = |t: Time| t.as_nanos() / 1_000_000 % (1 << 32);

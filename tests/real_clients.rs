@@ -53,8 +53,8 @@ fn spawn(mut command: Command, port: u16, seconds: u32) -> Child {
     child
 }
 
-/// Roll and pitch, °, by their stamp, ms.
-type Angles = BTreeMap<u64, (f64, f64)>;
+/// Roll and pitch, °, and body rates, °/s, where they are shown beside them, by their stamp, ms.
+type Angles = BTreeMap<u64, Vec<f64>>;
 
 /// Scans of the simulation, and attitudes where no other rate is set, a second.
 const SCANS_HZ: u32 = 50;
@@ -82,7 +82,7 @@ fn overhear(receiver: &Receiver, done: &AtomicBool) -> Angles {
             payload.resize(28, 0);
             let word = |at: usize| <[u8; 4]>::try_from(&payload[at..at + 4]).unwrap();
             let degrees = |at: usize| f64::from(f32::from_le_bytes(word(at))).to_degrees();
-            angles.insert(u64::from(u32::from_le_bytes(word(0))), (degrees(4), degrees(8)));
+            angles.insert(u64::from(u32::from_le_bytes(word(0))), [4, 8, 16, 20, 24].map(degrees).to_vec());
         }
     }
     angles
@@ -110,28 +110,38 @@ fn compare(command: Command, hz: u32, tolerance: f64) -> Value {
     let (Some(first), Some(last)) = (shown.keys().next(), shown.keys().next_back()) else { panic!("{report}") };
     let missed: Vec<_> = sent.range(first..=last).filter(|(stamp, _)| !shown.contains_key(stamp)).collect();
     assert!(hz != SCANS_HZ || missed.is_empty(), "of {} attitudes it did not show {missed:?}", sent.len());
-    for (stamp, (roll, pitch)) in &shown {
-        let (sent_roll, sent_pitch) = sent[stamp];
-        let off = (roll - sent_roll).abs().max((pitch - sent_pitch).abs());
-        assert!(off <= tolerance, "at {stamp} ms {roll} {pitch}, sent as {sent_roll} {sent_pitch}");
+    for (stamp, values) in &shown {
+        let off = values.iter().zip(&sent[stamp]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off <= tolerance, "at {stamp} ms {values:?}, sent as {:?}", sent[stamp]);
     }
+    // Rates that have no stamp there: those that were sent, in their order.
+    let (mut all, mut found) = (sent.values(), 0);
+    for rates in report["rates"].as_array().into_iter().flatten() {
+        let rates: Vec<f64> = rates.as_array().unwrap().iter().map(|r| r.as_f64().unwrap()).collect();
+        let is = |sent: &&Vec<f64>| rates.iter().zip(&sent[2..]).all(|(a, b)| (a - b).abs() <= tolerance);
+        assert!(all.find(is).is_some(), "{rates:?} after {found} others was not sent");
+        found += 1;
+    }
+    assert!(found > 0 || shown.values().all(|values| values.len() == 5), "no rates");
     // By their stamps: how fast the client was does not count. A busy machine leaves out scans, and so does the client
     // then that shows every one; a slower stream is kept at its rate.
     let rate = (shown.len() - 1) as f64 / ((last - first) as f64 / 1000.0);
     let least = if hz == SCANS_HZ { 0.5 } else { 0.9 };
     assert!((least..1.1).contains(&(rate / f64::from(hz))), "{rate} a second");
     assert!(shown.len() as f64 > 1.5 * f64::from(hz), "{} attitudes", shown.len());
-    let moved = |part: fn(&(f64, f64)) -> f64| {
-        let all = shown.values().map(part);
+    let moved = |k: usize| {
+        let all = sent.range(first..=last).map(|(_, values)| values[k]);
         all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
     };
-    assert!(moved(|a| a.0) > 0.5 || moved(|a| a.1) > 0.5, "it stood still");
+    assert!(moved(0) > 0.5 || moved(1) > 0.5, "it stood still");
+    assert!((2..5).all(|k| moved(k) > 0.1), "it did not turn");
     report
 }
 
 fn angles(report: &Value) -> Angles {
-    let row = |r: &Value| (r[0].as_u64().unwrap(), (r[1].as_f64().unwrap(), r[2].as_f64().unwrap()));
-    report["attitude"].as_array().unwrap().iter().map(row).collect()
+    let numbers = |row: &[Value]| row[1..].iter().map(|v| v.as_f64().unwrap()).collect();
+    let rows = report["attitude"].as_array().unwrap().iter().map(|row| row.as_array().unwrap());
+    rows.map(|row| (row[0].as_u64().unwrap(), numbers(row))).collect()
 }
 
 #[test]
@@ -226,7 +236,7 @@ fn mavlink_and_d_bus_show_the_same() {
     let mut same = 0;
     for status in &shown {
         let Some(stamp) = status["sample_time_usec"].as_u64() else { panic!("{status}") };
-        if let Some((roll, pitch)) = sent.get(&(stamp / 1000 % (1 << 32))) {
+        if let Some([roll, pitch, ..]) = sent.get(&(stamp / 1000 % (1 << 32))).map(Vec::as_slice) {
             let off = |name: &str, angle: f64| (status[name].as_f64().unwrap() - angle).abs();
             assert!(off("roll_deg", *roll) < 1e-4 && off("pitch_deg", *pitch) < 1e-4, "{status} {roll} {pitch}");
             same += 1;

@@ -216,6 +216,13 @@ impl Aligner {
         if self.has_rates(span.1) { carry(given, &self.rates, correction, span) } else { None }
     }
 
+    /// Body rates at `time`, rad/s about x (nose), y (right), z (down): the autopilot's, or a guess from the newest of
+    /// them, with the `correction` of [`carry()`].
+    pub fn rates(&self, time: Time, [nose, left, up]: Vector) -> Option<Vector> {
+        let [p, q, r] = self.rates.at(time)?.map(f64::to_radians);
+        Some([p + nose, q - left, r - up])
+    }
+
     /// Our attitude at `time`, to be compared.
     pub fn compare(&mut self, time: Time, ours: Attitude) {
         self.comparison.ours(time, ours);

@@ -68,7 +68,7 @@ impl Alignment {
     /// What is published of `estimate`, the newest, when `scan` is the newest: carried on to its moment by the body
     /// rates, where there are any. What waited for them is then no older than what did not.
     pub fn shown(&mut self, estimate: &Estimate, horizon: &Horizon, scan: &Frame) -> &Estimate {
-        let before = (self.shown.attitude, self.shown.sigma, self.shown.valid_at);
+        let before = (self.shown.attitude, self.shown.sigma, self.shown.rates, self.shown.valid_at);
         self.shown.clone_from(estimate);
         let (Some(attitude), now) = (estimate.attitude, scan.sample_time().unwrap_or(scan.time)) else {
             return &self.shown;
@@ -80,16 +80,17 @@ impl Alignment {
             }
             return &self.shown;
         }
-        let given = (attitude, estimate.sigma);
-        if let Some((carried, sigma)) = self.aligner.carry(given, horizon.rate_correction(), (estimate.valid_at, now)) {
+        let (given, correction) = ((attitude, estimate.sigma), horizon.rate_correction());
+        if let Some((carried, sigma)) = self.aligner.carry(given, correction, (estimate.valid_at, now)) {
             let limit = horizon.roll_limit().max(attitude.roll.abs());
             let roll = carried.roll.clamp(-limit, limit);
             self.shown.attitude = Some(Attitude { roll, ..carried });
             self.shown.sigma = sigma;
+            self.shown.rates = self.aligner.rates(now, correction);
             self.shown.valid_at = now;
-        } else if before.0.is_some() && before.2 > estimate.valid_at && before.2 <= now {
+        } else if before.0.is_some() && before.3 > estimate.valid_at && before.3 <= now {
             // What was carried farther is newer than this.
-            (self.shown.attitude, self.shown.sigma, self.shown.valid_at) = before;
+            (self.shown.attitude, self.shown.sigma, self.shown.rates, self.shown.valid_at) = before;
         }
         &self.shown
     }

@@ -104,4 +104,9 @@ pub trait Estimator: Send {
     fn rate_correction(&self) -> Vector {
         [0.0; 3]
     }
+
+    /// How fast the head turned after the last frame, rad/s on its (nose, left, up); `None` for methods that do not know.
+    fn rates(&self) -> Option<Vector> {
+        None
+    }
 }

@@ -183,6 +183,7 @@ impl Horizon {
             sigma = Attitude { roll: sigma.roll.hypot(of_trim.roll), pitch: sigma.pitch.hypot(of_trim.pitch) };
             estimate.trim = learnt;
         }
+        estimate.rates = self.estimator.rates().map(|rates| mounting.rates_to_body(rates));
         let body = mounting.to_body(seen);
         let (limits, limit) = match self.roll_limit {
             RollLimit::None => (false, f64::INFINITY),

@@ -1,7 +1,8 @@
 //! From the head's axes to the airframe's: the trims, taken off.
 
 use crate::attitude::Attitude;
-use crate::estimator::trim::level;
+use crate::estimator::trim::{level, turned};
+use crate::estimator::vector::Vector;
 
 /// How the head sits on the airframe, by the roll and pitch that it shows in level flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +21,13 @@ impl Mounting {
             Self::Offset(trim) => Attitude { roll: head.roll - trim.roll, pitch: head.pitch - trim.pitch },
             Self::Turned(trim) => level(head, trim),
         }
+    }
+
+    /// The airframe's body rates about x (nose), y (right), z (down) when the head's are `head` on (nose, left, up).
+    pub fn rates_to_body(self, head: Vector) -> Vector {
+        let (Self::Offset(trim) | Self::Turned(trim)) = self;
+        let [nose, left, up] = turned(head, trim);
+        [nose, -left, -up]
     }
 }
 
@@ -69,6 +77,23 @@ mod tests {
         let trim = Attitude::from_degrees(2.0, -1.5);
         let offset = Mounting::Offset(trim).to_body(Attitude::from_degrees(3.0, 1.0));
         assert!(close((offset.roll.to_degrees(), offset.pitch.to_degrees()), (1.0, 2.5)));
+    }
+
+    /// An airframe's vertical goes round with its rates, and a head's on it with the head's: to first order in the time.
+    #[test]
+    fn rates_are_turned_as_the_vertical_is() {
+        let trim = Attitude::from_degrees(12.0, -25.0);
+        let (rates, dt_s) = ([0.3, -0.8, 0.5], 1e-5);
+        let step = |up: Vector, [p, q, r]: [f64; 3]| product(&rotation([-p * dt_s, q * dt_s, r * dt_s]), up);
+        let head = Attitude::from_degrees(40.0, 15.0);
+        let mounting = Mounting::Turned(trim);
+        let turned = Attitude::from_vertical(step(head.vertical(), rates));
+        // On (nose, left, up) of the head, from (nose, right, down).
+        let [p, q, r] = rates;
+        let expected = step(mounting.to_body(head).vertical(), mounting.rates_to_body([p, -q, -r]));
+        let found = mounting.to_body(turned).vertical();
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {expected:?}");
+        assert_eq!(Mounting::Turned(Attitude::default()).rates_to_body([1.0, 2.0, 3.0]), [1.0, -2.0, -3.0]);
     }
 
     /// The airframe's vertical, turned to the head as the head is turned on the airframe, comes back.

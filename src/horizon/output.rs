@@ -126,6 +126,7 @@ impl Output {
         estimate.time = sampled.unwrap_or(estimate.time);
         estimate.valid_at = if self.shown.is_some() { now } else { estimate.time };
         estimate.attitude = self.shown.map(|s| s.attitude);
+        estimate.rates = None;
         estimate.measured = false;
         let shown = self.shown.or(before);
         estimate.sigma = shown.map_or(estimate.sigma, |s| s.sigma);

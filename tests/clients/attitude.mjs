@@ -47,7 +47,8 @@ packets.on('data', (packet) => {
     clearTimeout(timer)
     timer = setTimeout(end, Number(values.seconds) * 1000)
   }
-  attitude.push([message.timeBootMs, degrees(message.roll), degrees(message.pitch)])
+  const { roll, pitch, rollspeed, pitchspeed, yawspeed } = message
+  attitude.push([message.timeBootMs, ...[roll, pitch, rollspeed, pitchspeed, yawspeed].map(degrees)])
 })
 const socket = createSocket('udp4')
 socket.on('message', (datagram) => bytes.write(datagram))

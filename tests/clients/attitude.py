@@ -59,6 +59,7 @@ class Listener:
         self.sequences = {}
         self.senders = set()
         self.roll, self.pitch, self.yaw = Span(), Span(), Span()
+        self.rates = [Span(), Span(), Span()]
         self.stamps = []
         self.times = []
         self.heartbeats = []
@@ -84,6 +85,8 @@ class Listener:
             self.roll.add(roll)
             self.pitch.add(pitch)
             self.yaw.add(math.degrees(message.yaw))
+            for span, rate in zip(self.rates, (message.rollspeed, message.pitchspeed, message.yawspeed)):
+                span.add(math.degrees(rate))
             self.stamps.append(message.time_boot_ms)
             self.times.append(now)
             if self.table:
@@ -115,6 +118,7 @@ class Listener:
                 "roll_deg": self.roll.report(),
                 "pitch_deg": self.pitch.report(),
                 "yaw_deg": self.yaw.report(),
+                "rates_deg_s": [span.report() for span in self.rates],
                 "time_boot_ms": {"first": stamps[0], "last": stamps[-1]} if stamps else None,
                 "time_boot_ms_monotonic": all(step < 2**31 for step in steps),
                 "time_boot_ms_repeats": steps.count(0),

@@ -127,7 +127,8 @@ def report(datagrams, packets, said):
             errors.append(layers)
         elif number == 30:
             fields = {name.rpartition(".ATTITUDE_")[2]: value for name, value in flat(message).items()}
-            angles = (math.degrees(float(fields[name])) for name in ("roll", "pitch"))
+            names = ("roll", "pitch", "rollspeed", "pitchspeed", "yawspeed")
+            angles = (math.degrees(float(fields[name])) for name in names)
             attitude.append((int(fields["time_boot_ms"]), *angles))
     if "Lua:" in said:
         errors.append(said)

@@ -13,7 +13,8 @@ from importlib.metadata import version
 
 import samples
 
-SHOWN = re.compile(r"< ATTITUDE \{time_boot_ms : (\d+), roll : (\S+), pitch : (\S+), ")
+SHOWN = re.compile(r"< ATTITUDE \{time_boot_ms : (\d+), roll : (\S+), pitch : (\S+), yaw : \S+, "
+                   r"rollspeed : (\S+), pitchspeed : (\S+), yawspeed : (\S+)\}")
 
 
 def main():
@@ -36,7 +37,7 @@ def main():
     for line in process.stdout:
         shown = SHOWN.match(line)
         if shown:
-            heard.add(int(shown[1]), math.degrees(float(shown[2])), math.degrees(float(shown[3])))
+            heard.add(int(shown[1]), *(math.degrees(float(angle)) for angle in shown.groups()[1:]))
         else:
             other.append(line.rstrip())
             if line.startswith("Waiting for heartbeat"):

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Attitude as MAVSDK shows it: its Telemetry plugin on a system that has no autopilot."""
 
+import math
 import sys
 import time
 
@@ -25,11 +26,17 @@ def main():
         return heard.report(version=__version__)
     system = systems[0]
     telemetry = Telemetry(system)
+    rates = []
+
+    def turns(r):
+        rates.append([math.degrees(rate) for rate in (r.roll_rad_s, r.pitch_rad_s, r.yaw_rad_s)])
+
+    telemetry.subscribe_attitude_angular_velocity_body(lambda r, _: turns(r))
     telemetry.subscribe_attitude_euler(lambda a, _: heard.add(a.timestamp_us // 1000, a.roll_deg, a.pitch_deg))
     while not heard.done():
         time.sleep(0.02)
     found = {"system": system.get_system_id(), "components": system.component_ids(), "autopilot": system.has_autopilot()}
-    status = heard.report(version=__version__, **found)
+    status = heard.report(version=__version__, rates=rates, **found)
     sys.stdout.flush()
     mavsdk.destroy()
     return status

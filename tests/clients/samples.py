@@ -26,22 +26,23 @@ def listening():
 
 
 class Samples:
-    """Attitudes as a client shows them: time_boot_ms, roll and pitch in degrees, and when."""
+    """Attitudes as a client shows them: time_boot_ms, roll and pitch in degrees, body rates in degrees a second, if they
+    are shown beside them, and when."""
 
     def __init__(self, args):
         self.seconds, self.wait = args.seconds, args.wait
         self.begun = time.monotonic()
         self.rows = []
 
-    def add(self, time_boot_ms, roll_deg, pitch_deg):
-        self.rows.append((time_boot_ms, roll_deg, pitch_deg, time.monotonic()))
+    def add(self, *shown):
+        self.rows.append((*shown, time.monotonic()))
 
     def done(self):
         """Whether it has listened for long enough, or waited in vain."""
-        begun, limit = (self.rows[0][3], self.seconds) if self.rows else (self.begun, self.wait)
+        begun, limit = (self.rows[0][-1], self.seconds) if self.rows else (self.begun, self.wait)
         return time.monotonic() - begun >= limit
 
     def report(self, **more):
         """Prints all as JSON; the exit status."""
-        print(json.dumps({"attitude": [row[:3] for row in self.rows], **more}))
+        print(json.dumps({"attitude": [row[:-1] for row in self.rows], **more}))
         return 0 if self.rows else 1

@@ -33,6 +33,8 @@ pub struct Told {
     /// By its stamp, in the middle of its millisecond.
     pub time: Time,
     pub attitude: Attitude,
+    /// °/s about x, y, z.
+    pub rates: [f64; 3],
     pub yaw: f32,
 }
 
@@ -116,6 +118,19 @@ impl FarAutopilot {
     /// The attitude truly flown.
     pub fn truth(&self, time: Time) -> Attitude {
         self.flight.attitude(time.since(self.origin))
+    }
+
+    /// What the body rates in these words err by, and what they truly are, rms, °/s.
+    pub fn rates_off(&self, told: &[Told]) -> [[f64; 3]; 2] {
+        let (mut off, mut are) = ([0.0; 3], [0.0; 3]);
+        for t in told {
+            let truth = body_rates(&self.flight, t.time.since(self.origin));
+            for i in 0..3 {
+                off[i] += (t.rates[i] - truth[i]).powi(2);
+                are[i] += truth[i].powi(2);
+            }
+        }
+        [off, are].map(|sums| sums.map(|sum: f64| (sum / told.len() as f64).sqrt()))
     }
 
     /// How fast roll and pitch change, °/s.
@@ -218,7 +233,8 @@ impl FarAutopilot {
             let time = Time::from_nanos(u64::from(m.time_boot_ms) * 1_000_000 + 500_000);
             let attitude = Attitude { roll: f64::from(m.roll), pitch: f64::from(m.pitch) };
             let (system, component) = (packet.system_id, packet.component_id);
-            self.told.push(Told { system, component, time, attitude, yaw: m.yaw });
+            let rates = [m.rollspeed, m.pitchspeed, m.yawspeed].map(|r| f64::from(r).to_degrees());
+            self.told.push(Told { system, component, time, attitude, rates, yaw: m.yaw });
         }
     }
 }

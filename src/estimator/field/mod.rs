@@ -52,8 +52,8 @@ use correct::Misfit;
 use gyro::Gyro;
 use model::Model;
 use output::{attitude, guard};
-use predict::{Pace, predict};
-use state::{CONTRAST, RATE, State};
+use predict::{Pace, correction, predict, rates};
+use state::{CONTRAST, State};
 use stuck::Stuck;
 use witness::Witnesses;
 
@@ -219,8 +219,11 @@ impl FieldEstimator {
 
 impl Estimator for FieldEstimator {
     fn rate_correction(&self) -> Vector {
-        let x = &self.state.x;
-        if self.gyro.in_use() { [x[RATE], x[RATE + 1], x[RATE + 2]] } else { [0.0; 3] }
+        if self.gyro.in_use() { correction(&self.state) } else { [0.0; 3] }
+    }
+
+    fn rates(&self) -> Option<Vector> {
+        Some(rates(&self.state, &self.tuning, self.gyro.rates()))
     }
 
     fn set_trim(&mut self, trim: Attitude) {

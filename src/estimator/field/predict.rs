@@ -27,15 +27,13 @@ pub struct Pace {
 /// Moves `state` on by `dt_s` > 0 with the body rates of a gyro (rad/s on nose, left, up), or by the
 /// rates that are part of the state.
 pub fn predict(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, gyro: Option<Vector>, pace: &Pace) {
-    let correction = [state.x[RATE], state.x[RATE + 1], state.x[RATE + 2]];
-    let mut rate = add_scaled(correction, 1.0, gyro.unwrap_or_default());
-    let turning = turning(state.vertical(), t.cruise_m_s);
-    let mut motion = length(rate);
-    if gyro.is_none() {
-        // Nothing tells of the heading but the bank.
-        rate = add_scaled(rate, turning, state.vertical());
-        motion += turning.abs();
-    }
+    let rate = rates(state, t, gyro);
+    // Of a heading that is a guess all is counted.
+    let motion = if gyro.is_some() {
+        length(rate)
+    } else {
+        length(correction(state)) + turning(state.vertical(), t.cruise_m_s).abs()
+    };
     let angle = if gyro.is_some() { t.scene_angle.0 } else { t.scene_angle.1 };
     let scene_keep = (-dt_s * (1.0 / t.scene_time_s + motion / angle)).exp();
     let rate_keep = if gyro.is_some() { 1.0 } else { (-dt_s / t.rate_time_s).exp() };
@@ -55,6 +53,20 @@ pub fn predict(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, gyro: Op
     let lost = (1.0 - rate_keep * rate_keep, 1.0 - scene_keep * scene_keep);
     add_noise(state, sensors, t, dt_s, gyro.map(|_| rate), pace, lost);
     follow(state, model, t, dt_s, rate, &before);
+}
+
+/// What is added to a gyro's rates, or the rates themselves without one.
+pub fn correction(state: &State) -> Vector {
+    [state.x[RATE], state.x[RATE + 1], state.x[RATE + 2]]
+}
+
+/// How fast the body turns, rad/s on (nose, left, up): by a gyro's rates, or by those that are part of the state.
+pub fn rates(state: &State, t: &Tuning, gyro: Option<Vector>) -> Vector {
+    match gyro {
+        Some(gyro) => add_scaled(correction(state), 1.0, gyro),
+        // Nothing tells of the heading but the bank.
+        None => add_scaled(correction(state), turning(state.vertical(), t.cruise_m_s), state.vertical()),
+    }
 }
 
 /// The rate about the upward vertical of a coordinated turn, rad/s: clockwise, below 0, with the right

@@ -11,6 +11,7 @@ pub mod prior;
 
 pub use learner::Learner;
 
+use super::vector::Vector;
 use crate::attitude::Attitude;
 
 /// The attitude of the aircraft on which a head shows `seen`, where the head shows `trim` in level
@@ -20,11 +21,14 @@ pub fn level(seen: Attitude, trim: Attitude) -> Attitude {
     if trim == Attitude::default() {
         return seen;
     }
-    let [x, y, z] = seen.vertical();
+    Attitude::from_vertical(turned(seen.vertical(), trim))
+}
+
+/// What is `[nose, left, up]` on the head, on the axes of an aircraft on which it sits askew by `trim`.
+pub fn turned([nose, left, up]: Vector, trim: Attitude) -> Vector {
     let ((sr, cr), (sp, cp)) = (trim.roll.sin_cos(), trim.pitch.sin_cos());
-    let (left, up) = (y * cr - z * sr, y * sr + z * cr);
-    let (nose, up) = (x * cp - up * sp, x * sp + up * cp);
-    Attitude { roll: left.atan2(up), pitch: nose.atan2(left.hypot(up)) }
+    let (left, up) = (left * cr - up * sr, left * sr + up * cr);
+    [nose * cp - up * sp, left, nose * sp + up * cp]
 }
 
 /// What a head that shows `trim` in level flight shows on an aircraft in `attitude`: the inverse of [`level`].

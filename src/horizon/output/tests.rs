@@ -50,12 +50,27 @@ impl Stage {
         &self.estimate
     }
 
+    /// Body rates as they were known before.
+    fn turning(&mut self) {
+        self.estimate.rates = Some([0.1; 3]);
+    }
+
     /// As many frames as `seconds` hold; the estimate after the last.
     fn for_s(&mut self, seconds: f64, verdict: Verdict) -> Estimate {
         for _ in 0..(seconds * 50.0).round() as u32 {
             self.after(0.02, verdict);
         }
         self.estimate.clone()
+    }
+}
+
+#[test]
+fn body_rates_are_those_of_a_measured_attitude() {
+    for on_fault in [OnFault::Withhold, OnFault::Hold, OnFault::Level] {
+        let mut stage = Stage::new(on_fault);
+        stage.turning();
+        assert!(stage.for_s(1.0, given(deg(20.0, 5.0), 1.0)).rates.is_some());
+        assert_eq!(stage.after(0.02, Verdict::Withheld).rates, None, "{on_fault:?}");
     }
 }
 

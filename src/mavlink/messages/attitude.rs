@@ -1,7 +1,7 @@
 //! The attitude in its three forms: angles, a quaternion, a quaternion with covariance.
 //!
 //! Yaw is not known to a horizon. It is 0, or what the caller has from another source; no message but the covariance
-//! has a way to say which. The body rates are not estimated and are 0.
+//! has a way to say which. The same holds for body rates, which some methods tell.
 
 use super::{Message, time_boot_ms};
 use crate::mavlink::session::Seen;
@@ -19,6 +19,12 @@ fn angles(seen: &Seen) -> Option<[f64; 3]> {
     angles.iter().all(|a| a.is_finite()).then_some(angles)
 }
 
+/// Body rates, rad/s; 0 where they are not known.
+fn rates(seen: &Seen) -> [f32; 3] {
+    let known = seen.moment.rates.filter(|rates| rates.iter().all(|r| r.is_finite()));
+    known.unwrap_or_default().map(|r| r as f32)
+}
+
 /// The rotation from the airframe's axes (front, right, down) to (north, east, down): w, x, y, z; w ≥ 0.
 fn rotation([roll, pitch, yaw]: [f64; 3]) -> [f32; 4] {
     let ((sr, cr), (sp, cp), (sy, cy)) = ((roll / 2.0).sin_cos(), (pitch / 2.0).sin_cos(), (yaw / 2.0).sin_cos());
@@ -33,33 +39,37 @@ fn rotation([roll, pitch, yaw]: [f64; 3]) -> [f32; 4] {
 
 /// ATTITUDE of the moment that the attitude speaks of; `None` while there is none, and for angles that are not finite.
 pub fn attitude(seen: &Seen) -> Option<Message> {
-    let [roll, pitch, yaw] = angles(seen)?;
+    let ([roll, pitch, yaw], [rollspeed, pitchspeed, yawspeed]) = (angles(seen)?, rates(seen));
     Some(Message::Attitude(ATTITUDE_DATA {
         time_boot_ms: time_boot_ms(seen.moment.valid_at),
         roll: roll as f32,
         pitch: pitch as f32,
         yaw: yaw as f32,
-        ..ATTITUDE_DATA::DEFAULT
+        rollspeed,
+        pitchspeed,
+        yawspeed,
     }))
 }
 
 /// ATTITUDE_QUATERNION, under the same conditions.
 pub fn quaternion(seen: &Seen) -> Option<Message> {
-    let [q1, q2, q3, q4] = rotation(angles(seen)?);
+    let ([q1, q2, q3, q4], [rollspeed, pitchspeed, yawspeed]) = (rotation(angles(seen)?), rates(seen));
     Some(Message::Quaternion(ATTITUDE_QUATERNION_DATA {
         time_boot_ms: time_boot_ms(seen.moment.valid_at),
         q1,
         q2,
         q3,
         q4,
-        ..ATTITUDE_QUATERNION_DATA::DEFAULT
+        rollspeed,
+        pitchspeed,
+        yawspeed,
     }))
 }
 
 /// ATTITUDE_QUATERNION_COV, if the standard deviations are finite as well. The covariance is of roll, pitch and yaw,
 /// rad², uncorrelated; that of yaw is of a heading not known, whatever was handed in.
 pub fn covariance(seen: &Seen) -> Option<Message> {
-    let q = rotation(angles(seen)?);
+    let (q, [rollspeed, pitchspeed, yawspeed]) = (rotation(angles(seen)?), rates(seen));
     let (roll, pitch) = (seen.moment.sigma.roll.powi(2), seen.moment.sigma.pitch.powi(2));
     if !(roll as f32).is_finite() || !(pitch as f32).is_finite() {
         return None;
@@ -70,8 +80,10 @@ pub fn covariance(seen: &Seen) -> Option<Message> {
     Some(Message::Covariance(ATTITUDE_QUATERNION_COV_DATA {
         time_usec,
         q,
+        rollspeed,
+        pitchspeed,
+        yawspeed,
         covariance,
-        ..ATTITUDE_QUATERNION_COV_DATA::DEFAULT
     }))
 }
 
@@ -112,6 +124,23 @@ mod tests {
             let Some(Message::Attitude(a)) = attitude(&seen(0.1, 0.2, given)) else { panic!() };
             assert_eq!(a.yaw, sent);
         }
+    }
+
+    #[test]
+    fn rates_are_told_where_they_are_known() {
+        let told = |rates| {
+            let mut seen = seen(0.1, 0.2, None);
+            seen.moment.rates = rates;
+            let Some(Message::Attitude(a)) = attitude(&seen) else { panic!() };
+            let Some(Message::Quaternion(q)) = quaternion(&seen) else { panic!() };
+            let Some(Message::Covariance(c)) = covariance(&seen) else { panic!() };
+            let told = [a.rollspeed, a.pitchspeed, a.yawspeed];
+            assert_eq!(told, [q.rollspeed, q.pitchspeed, q.yawspeed]);
+            assert_eq!(told, [c.rollspeed, c.pitchspeed, c.yawspeed]);
+            told
+        };
+        assert_eq!(told(Some([0.5, -0.25, 1.0])), [0.5, -0.25, 1.0]);
+        assert_eq!([told(None), told(Some([0.5, f64::NAN, 0.0]))], [[0.0; 3]; 2]);
     }
 
     #[test]

@@ -49,6 +49,7 @@ impl Bench {
             attitude: Some(Attitude::from_degrees(4.0, -2.0)),
             sigma: Attitude::from_degrees(1.0, 1.0),
             mode: Mode::Nominal,
+            ..Moment::default()
         };
         self.seen = Seen { moment, contrast_k: Some(20.0), ..Seen::default() };
     }

@@ -19,6 +19,7 @@ fn frame(sequence: u64, secs: f64) -> Seen {
         attitude: Some(Attitude::from_degrees(10.0, 5.0)),
         sigma: Attitude::from_degrees(1.0, 1.0),
         mode: Mode::Nominal,
+        ..Moment::default()
     };
     Seen { moment, contrast_k: Some(20.0), ..Seen::default() }
 }
