@@ -41,6 +41,7 @@ impl Default for Settings {
                 component_id: 191,
                 autopilot_id: None,
                 aiding: true,
+                rates_hz: 100.0,
                 yaw: false,
                 sys_status: false,
                 signing_key: None,

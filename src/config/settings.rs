@@ -369,6 +369,8 @@ pub struct MavlinkSettings {
     pub autopilot_id: Option<u8>,
     /// Whether rates, GPS and airspeed of the autopilot aid the attitude.
     pub aiding: bool,
+    /// How often the autopilot is asked for its body rates, Hz: 1 to 200; 0: it is asked for nothing.
+    pub rates_hz: f64,
     /// Whether ATTITUDE carries the autopilot's yaw while that is heard, instead of 0.
     pub yaw: bool,
     /// Whether SYS_STATUS is sent as well.

@@ -51,6 +51,7 @@ pub fn show(settings: &Settings) -> String {
     out.set("component-id", mavlink.component_id);
     out.set("autopilot-id", id(mavlink.autopilot_id));
     out.set("aiding", mavlink.aiding);
+    out.set("rates-hz", mavlink.rates_hz);
     out.set("yaw", mavlink.yaw);
     out.set("sys-status", mavlink.sys_status);
     out.path("signing-key", mavlink.signing_key.as_deref());

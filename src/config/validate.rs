@@ -92,6 +92,11 @@ fn mavlink<'a>(mut s: Section<'a>, d: MavlinkSettings, findings: &Findings<'a>, 
         component_id: s.integer("component-id", 1, 255, "1 to 255").and_then(id).unwrap_or(d.component_id),
         autopilot_id: s.integer_or_auto("autopilot-id", 1, 255, "1 to 255").and_then(id).or(d.autopilot_id),
         aiding: s.boolean("aiding").unwrap_or(d.aiding),
+        rates_hz: s
+            .number("rates-hz", "0 (nothing is asked for) or 1 to 200 Hz", |hz| {
+                hz == 0.0 || (1.0..=200.0).contains(&hz)
+            })
+            .unwrap_or(d.rates_hz),
         yaw: s.boolean("yaw").unwrap_or(d.yaw),
         sys_status: s.boolean("sys-status").unwrap_or(d.sys_status),
         signing_key: s.path("signing-key", "a file of 32 bytes that only its owner may read").or(d.signing_key),

@@ -14,10 +14,7 @@ const WATCHED_S: f64 = 3.0;
 const ANSWER_S: f64 = 1.5;
 /// How often the same is asked.
 const TRIES: u8 = 3;
-/// The rates of ATTITUDE, and of the other two, Hz. Of ATTITUDE two for each frame: the newest is the less old then, and
-/// what it is old by is a guess.
-const RATES_HZ: f64 = 100.0;
-const A_FRAME: f64 = 2.0;
+/// The rate of what is no body rate, Hz.
 const SLOW_HZ: f64 = 5.0;
 /// ATTITUDE takes so many bits of a serial line: 40 bytes and what frames them.
 const BITS: f64 = 400.0;
@@ -65,10 +62,11 @@ impl Way {
 }
 
 impl Intervals {
-    /// For a daemon of `rate_hz` with these endpoints.
-    pub fn new(rate_hz: f64, endpoints: &[EndpointAddress]) -> Self {
+    /// For ATTITUDE `rates_hz` times a second where the way there is wide enough, with these endpoints. 0: nothing is
+    /// asked for.
+    pub fn new(rates_hz: f64, endpoints: &[EndpointAddress]) -> Self {
         let wanted = |id, hz| Wanted { id, hz, comes: Meter::default() };
-        let rates = wanted(ATTITUDE_DATA::ID, (A_FRAME * rate_hz).min(RATES_HZ));
+        let rates = wanted(ATTITUDE_DATA::ID, rates_hz);
         let slow = [GLOBAL_POSITION_INT_DATA::ID, VFR_HUD_DATA::ID].map(|id| wanted(id, SLOW_HZ));
         Self { wanted: [rates, slow[0], slow[1]], ways: endpoints.iter().map(Way::new).collect() }
     }
@@ -98,6 +96,9 @@ impl Intervals {
     /// What component 1 of `system` is to be asked at `endpoint` now.
     pub fn ask(&mut self, now: Time, endpoint: usize, system: u8) -> Option<COMMAND_LONG_DATA> {
         let way = self.ways.get_mut(endpoint)?;
+        if self.wanted[0].hz <= 0.0 {
+            return None;
+        }
         if now.since(way.heard?) < WATCHED_S {
             return None;
         }
@@ -143,7 +144,7 @@ mod tests {
 
     /// What is asked in 30 s at endpoint 0 where `comes` of ATTITUDE arrive a second, and `answer` is the answer.
     fn asked(comes: u32, answer: Option<MavResult>) -> Vec<(u32, u32, f32)> {
-        let mut intervals = Intervals::new(10.0, &ways(&["[::]:14550"]));
+        let mut intervals = Intervals::new(20.0, &ways(&["[::]:14550"]));
         let mut asked = Vec::new();
         for ms in (0..30_000).step_by(10) {
             if ms % 1000 == 0 {
@@ -194,13 +195,14 @@ mod tests {
     }
 
     #[test]
-    fn two_for_each_frame_and_no_more_than_a_third_of_a_serial_line() {
-        let hz = |rate_hz, way| {
-            let mut intervals = Intervals::new(rate_hz, &ways(&[way]));
+    fn no_more_than_a_third_of_a_serial_line_and_nothing_where_it_is_to_be_nothing() {
+        let hz = |hz, way| {
+            let mut intervals = Intervals::new(hz, &ways(&[way]));
             intervals.heard(at(0), 0, 0);
-            (1e6 / intervals.ask(at(4000), 0, 1).unwrap().param2).round()
+            intervals.ask(at(4000), 0, 1).map(|m| (1e6 / m.param2).round())
         };
-        assert_eq!([5.0, 50.0, 200.0].map(|rate_hz| hz(rate_hz, "[::]:14550")), [10.0, 100.0, 100.0]);
-        assert_eq!(["9600", "57600", "115200", "921600"].map(|baud| hz(50.0, baud)), [8.0, 50.0, 100.0, 100.0]);
+        assert_eq!([0.0, 5.0, 200.0].map(|asked| hz(asked, "[::]:14550")), [None, Some(5.0), Some(200.0)]);
+        let serial = ["9600", "57600", "115200", "921600"].map(|baud| hz(100.0, baud));
+        assert_eq!(serial, [Some(8.0), Some(50.0), Some(100.0), Some(100.0)]);
     }
 }

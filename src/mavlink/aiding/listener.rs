@@ -43,7 +43,8 @@ pub enum Ask {
 pub struct Listener {
     identity: Identity,
     component_id: u8,
-    rate_hz: f64,
+    /// How often ATTITUDE is asked for, Hz.
+    rates_hz: f64,
     endpoints: Vec<EndpointAddress>,
     inbox: Arc<Inbox>,
     link: Link,
@@ -70,19 +71,22 @@ pub struct Listener {
     endpoint: usize,
 }
 
-fn addresses(settings: &MavlinkSettings) -> Vec<EndpointAddress> {
-    settings.endpoints.iter().map(|e| e.address.clone()).collect()
+/// Where the autopilot may be asked, and for how many rates a second: two for each frame, so that the newest is less old;
+/// what the aircraft has done since is a guess.
+fn wanted(settings: &MavlinkSettings, rate_hz: f64) -> (Vec<EndpointAddress>, f64) {
+    let endpoints = settings.endpoints.iter().map(|e| e.address.clone()).collect();
+    (endpoints, settings.rates_hz.min(2.0 * rate_hz))
 }
 
 impl Listener {
     /// As `[mavlink]` says, for a daemon of `rate_hz`. What is heard goes to `inbox`.
     pub fn new(settings: &MavlinkSettings, rate_hz: f64, inbox: Arc<Inbox>) -> Self {
-        let endpoints = addresses(settings);
+        let (endpoints, rates_hz) = wanted(settings, rate_hz);
         Self {
             identity: Identity::new(settings.system_id, settings.autopilot_id),
             component_id: settings.component_id,
-            rate_hz,
-            intervals: Intervals::new(rate_hz, &endpoints),
+            rates_hz,
+            intervals: Intervals::new(rates_hz, &endpoints),
             endpoints,
             inbox,
             link: Link { aids: settings.aiding, ..Link::default() },
@@ -115,10 +119,10 @@ impl Listener {
         self.identity = identity;
         self.component_id = settings.component_id;
         self.link.aids = settings.aiding;
-        let endpoints = addresses(settings);
-        if endpoints != self.endpoints || rate_hz != self.rate_hz {
-            (self.endpoints, self.rate_hz) = (endpoints, rate_hz);
-            self.intervals = Intervals::new(rate_hz, &self.endpoints);
+        let (endpoints, rates_hz) = wanted(settings, rate_hz);
+        if endpoints != self.endpoints || rates_hz != self.rates_hz {
+            (self.endpoints, self.rates_hz) = (endpoints, rates_hz);
+            self.intervals = Intervals::new(rates_hz, &self.endpoints);
         }
         self.inbox.tell(self.link);
     }
