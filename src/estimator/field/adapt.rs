@@ -142,9 +142,10 @@ impl SceneStrength {
         Self { least: least_k * least_k, learning_s, left: Pattern::default(), seen: 1e-4, first: 0.0, lately: 0.0 }
     }
 
-    /// Begins with scenes of `first_k`.
-    pub fn begin(&mut self, first_k: f64) {
-        self.first = first_k * first_k;
+    /// Begins with scenes of `first_k`, and what has `lately` been seen to be unlike: it is there still, and a filter that
+    /// begins anew takes it for a part of the sky.
+    pub fn begin(&mut self, first_k: f64, lately: f64) {
+        (self.first, self.lately) = (first_k * first_k, lately);
     }
 
     /// Takes in each sensor's innovation and what its scene is taken to add, K; `variance_of` a pattern of scenes,

@@ -30,8 +30,9 @@ impl FieldEstimator {
         self.aid = Aid::default();
         self.misfit = Misfit::default();
         (self.unlike, self.tilted, self.found_s) = (false, false, 0.0);
+        let lately = self.scene.lately_unlike();
         (self.rates, self.gyro_errors, self.contrast, self.scene) = paces(&t);
-        self.scene.begin(t.scene.0 * (start.scene.contrast_k.abs() / 35.0).min(1.0));
+        self.scene.begin(t.scene.0 * (start.scene.contrast_k.abs() / 35.0).min(1.0), lately);
         self.state = State::new(self.model.sensors());
         let s = &mut self.state;
         s.axes = start.axes;

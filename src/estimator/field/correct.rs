@@ -3,12 +3,16 @@
 use super::FieldEstimator;
 use super::adapt::{Directions, Pattern, dot};
 use super::predict::scene;
-use super::state::{DEPTH, MAX_SENSORS, SEEN};
+use super::state::{DEPTH, MAX_SENSORS, RADIANCE, SEEN};
 
 /// A reading farther from its prediction than this many standard deviations weighs less.
 const GATE: f64 = 6.0;
-/// One reading, and no more, this far from its prediction is left out.
+/// One reading, and no more, this far from its prediction is left out, for so long, s: what lasts is no glitch.
 const OUTLIER: f64 = 20.0;
+const GLITCH_S: f64 = 0.3;
+/// The share of averaging in radiance may be so many standard deviations from what is expected: it stands for a sky of
+/// another shape, too, but not for a wall.
+const POSSIBLE: f64 = 3.0;
 /// Over this time the misfit is averaged, s.
 const MISFIT_S: f64 = 0.5;
 /// So many times the expected misfit and the filter is lost; with a gyro, that is what is wrong.
@@ -57,14 +61,19 @@ impl Misfit {
 
 impl FieldEstimator {
     /// Leaves out the one reading that cannot be, if the others can.
-    pub(super) fn leave_out(&self, readings: &mut [Option<f64>; MAX_SENSORS]) {
+    pub(super) fn leave_out(&mut self, readings: &mut [Option<f64>; MAX_SENSORS], dt_s: f64) {
         let far = |i: usize, reading: f64| {
             let expected = self.state.p[SEEN + i][SEEN + i] + self.tuning.noise_k * self.tuning.noise_k;
             (reading - self.state.x[SEEN + i]).powi(2) > OUTLIER * OUTLIER * expected
         };
         let mut outliers = (0..self.model.sensors()).filter(|i| readings[*i].is_some_and(|r| far(*i, r)));
         if let (Some(one), None) = (outliers.next(), outliers.next()) {
-            readings[one] = None;
+            self.glitch_s += dt_s;
+            if self.glitch_s < GLITCH_S {
+                readings[one] = None;
+            }
+        } else {
+            self.glitch_s = 0.0;
         }
     }
 
@@ -83,6 +92,13 @@ impl FieldEstimator {
             count += 1.0;
             let variance = noise.max(squared / (GATE * GATE) - predicted);
             self.state.read(SEEN + i, innovation, variance);
+        }
+        let (expected, sigma) = self.tuning.radiance;
+        let beyond = self.state.x[RADIANCE] - expected;
+        let impossible = beyond - beyond.clamp(-POSSIBLE * sigma, POSSIBLE * sigma);
+        if impossible != 0.0 {
+            let variance = self.state.p[RADIANCE][RADIANCE];
+            self.state.correct(&[(RADIANCE, 1.0)], -impossible, 1e-3 * variance);
         }
         self.state.settle();
         if count > 1.0 {

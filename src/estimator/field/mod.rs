@@ -108,6 +108,8 @@ pub struct FieldEstimator {
     found_s: f64,
     /// For how long what is seen has been against all that is known, s.
     lost_s: f64,
+    /// For how long one reading has been far from what it was predicted, s.
+    glitch_s: f64,
     /// How far it has turned about the vertical since it began, rad.
     turned: f64,
 }
@@ -146,6 +148,7 @@ impl FieldEstimator {
             leant: false,
             found_s: 0.0,
             lost_s: 0.0,
+            glitch_s: 0.0,
             turned: 0.0,
         }
     }
@@ -273,7 +276,7 @@ impl Estimator for FieldEstimator {
             predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
             self.turned += dt_s * self.gyro.rates().map_or(0.0, |r| dot(r, self.state.vertical()).abs());
             self.consult(&mut readings, &pace, dt_s);
-            self.leave_out(&mut readings);
+            self.leave_out(&mut readings, dt_s);
             self.learn(&readings, dt_s);
             self.doubt(dt_s);
         }

@@ -2,6 +2,7 @@
 
 use super::adapt::Whiteness;
 use super::output::guard;
+use super::state::{RADIANCE, SEEN};
 use super::*;
 use crate::attitude::Attitude;
 use crate::simulation::noise::Noise;
@@ -73,6 +74,51 @@ fn slow_references_that_lie_do_not_pull_a_good_attitude_away() {
         f.aiding.course_deg = Some(360.0 * noise.uniform());
     });
     assert!(off < 1.5, "{off}");
+}
+
+/// An estimator that has flown for 5 s, and readings that are what it expects.
+fn flown() -> (FieldEstimator, [Option<f64>; MAX_SENSORS]) {
+    let scenario = Scenario::named("clear-dry").unwrap().lasting(60.0);
+    let mut source = scenario.source(5);
+    let mut e = FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default());
+    let mut frame = Frame::new(6);
+    for i in 0..250 {
+        source.scan(Time::from_secs_f64(100.0 + f64::from(i) * 0.02), &mut frame);
+        e.update(&frame);
+    }
+    let expected = std::array::from_fn(|i| (i < 6).then(|| e.state.x[SEEN + i]));
+    (e, expected)
+}
+
+#[test]
+fn one_reading_that_cannot_be_is_left_out_for_a_moment_and_no_longer() {
+    let (mut e, expected) = flown();
+    let mut far = expected;
+    far[2] = far[2].map(|r| r + 9.0);
+    let mut heard = |readings: [Option<f64>; MAX_SENSORS]| {
+        let mut readings = readings;
+        e.leave_out(&mut readings, 0.02);
+        readings[2].is_some()
+    };
+    assert!((0..14).all(|_| !heard(far)) && (0..50).all(|_| heard(far)));
+    assert!(heard(expected) && !heard(far), "another one");
+}
+
+#[test]
+fn the_share_of_averaging_in_radiance_does_not_run_away() {
+    for (gone, back) in [(11.0, 2.0), (-2.2, -1.0), (0.9, 0.9)] {
+        let (mut e, _) = flown();
+        e.state.x[RADIANCE] = gone;
+        e.correct(&[None; MAX_SENSORS], 0.02);
+        assert!((e.state.x[RADIANCE] - back).abs() < 0.02 && e.state.is_sound(), "{gone}: {}", e.state.x[RADIANCE]);
+    }
+}
+
+#[test]
+fn what_was_unlike_is_remembered_where_it_begins_anew() {
+    let (mut e, expected) = flown();
+    e.scene.begin(0.1, 0.8);
+    assert!(e.begin(&expected, Time::from_secs_f64(105.0)) && e.scene.lately_unlike() == 0.8);
 }
 
 #[test]

@@ -25,7 +25,8 @@ impl FieldEstimator {
             let warmer_k = self.witnesses.of(i).0.map_or(0.0, |expected| expected + residual_k - self.state.x[GROUND]);
             let sees = |(from, to): (f64, f64), what: f64| ((to - what) / (to - from)).clamp(0.0, 1.0);
             let lost = self.witnesses.lost(i).unwrap_or(0.0);
-            let doubt = sees(SEES, lost) * sees(WARMER_K, warmer_k) * residual_k / contrast_k;
+            let doubt =
+                sees(SEES, lost).max(self.witnesses.strays(i)) * sees(WARMER_K, warmer_k) * residual_k / contrast_k;
             let [nose, left, up] = self.model.direction(i).map(|c| c * doubt);
             // A level sensor tilts; an upright one scales what the others show.
             squared.roll += (left / PAIR_SLOPE).powi(2) + (up * attitude.roll.sin()).powi(2);

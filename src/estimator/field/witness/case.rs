@@ -87,6 +87,11 @@ impl Case {
         self.follow.lost()
     }
 
+    /// How surely it goes another way than it should: 0..1.
+    pub fn strays(&self) -> f64 {
+        self.follow.strays()
+    }
+
     /// Whether it is left out and may be heard again.
     pub fn is_acquitted(&self) -> bool {
         self.standing == Standing::LeftOut && self.is_back

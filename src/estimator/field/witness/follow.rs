@@ -5,6 +5,11 @@ const OVER_S: f64 = 4.0;
 /// What it should show must change by so much, K rms, to see what it follows.
 const CHANGES_K: f64 = 0.7;
 
+/// What does not follow for the other way it goes: one that loses more than all, after so much of the time, so that what
+/// it does as a film grows is no part of it.
+const STRAYS: (f64, f64) = (1.1, 1.3);
+const GROWN: f64 = 0.6;
+
 /// Weights, means, and the second moments of what it should show and shows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Follow {
@@ -29,6 +34,12 @@ impl Follow {
         let changes = ee - e * e;
         (changes > CHANGES_K * CHANGES_K).then(|| 1.0 - (ez - e * z) / changes)
     }
+
+    /// How surely it goes another way than it should, as no film does: 0..1.
+    pub fn strays(&self) -> f64 {
+        let lost = self.lost().filter(|_| self.sums[0] > GROWN).unwrap_or(0.0);
+        ((lost - STRAYS.0) / (STRAYS.1 - STRAYS.0)).clamp(0.0, 1.0)
+    }
 }
 
 #[cfg(test)]
@@ -51,6 +62,21 @@ mod tests {
             let lost = lost(film, 6.0, 5.0).unwrap();
             assert!((lost - film).abs() < 1e-9, "{film}: {lost}");
         }
+    }
+
+    #[test]
+    fn what_goes_the_other_way_is_no_film() {
+        let strays = |share: f64, seconds: f64| {
+            let mut follow = Follow::default();
+            for i in 0..(20.0 * seconds) as u32 {
+                let due = 5.0 + 6.0 * (0.05 * f64::from(i)).sin();
+                follow.update(due, 24.0 - share * due, 0.05);
+            }
+            follow.strays()
+        };
+        assert_eq!([strays(0.0, 8.0), strays(0.05, 8.0), strays(-0.9, 8.0)], [0.0; 3]);
+        assert!((strays(0.2, 8.0) - 0.5).abs() < 1e-9 && strays(1.0, 8.0) == 1.0);
+        assert_eq!(strays(1.0, 3.0), 0.0, "too soon");
     }
 
     #[test]

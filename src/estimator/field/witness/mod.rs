@@ -103,6 +103,11 @@ impl Witnesses {
         self.cases[i].lost()
     }
 
+    /// How surely sensor `i`, which is not heard, goes another way than it should, as no film does: 0..1.
+    pub fn strays(&self, i: usize) -> f64 {
+        self.cases[i].strays()
+    }
+
     /// Begins anew with the next step; what was left out stays so.
     pub fn restart(&mut self) {
         self.all = None;
