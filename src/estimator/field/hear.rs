@@ -1,7 +1,7 @@
 //! Which readings are heard: new ones, of sensors that nothing speaks against.
 
-use super::predict::{Pace, scene};
-use super::state::{LAG, MAX_SENSORS, RATE};
+use super::predict::{Pace, correction, scene};
+use super::state::{LAG, MAX_SENSORS};
 use super::stuck::Stuck;
 use super::witness::Known;
 use super::{FieldEstimator, GAP_S};
@@ -52,12 +52,11 @@ impl FieldEstimator {
     /// Leaves out what the witnesses do not believe.
     pub(super) fn consult(&mut self, readings: &mut [Option<f64>; MAX_SENSORS], pace: &Pace, dt_s: f64) {
         let s = &self.state;
-        let bias = [s.x[RATE], s.x[RATE + 1], s.x[RATE + 2]];
         let known = Known {
             axes: s.axes,
             sky: scene(s),
             pace,
-            gyro: self.gyro.rates().map(|rates| add_scaled(rates, 1.0, bias)),
+            gyro: self.gyro.rates().map(|rates| add_scaled(rates, 1.0, correction(s))),
             lag_s: self.tuning.lag_s * s.x[LAG].clamp(-2.0, 2.0).exp(),
         };
         if self.blind {

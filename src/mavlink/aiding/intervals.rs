@@ -14,6 +14,8 @@ const WATCHED_S: f64 = 3.0;
 const ANSWER_S: f64 = 1.5;
 /// How often the same is asked.
 const TRIES: u8 = 3;
+/// What comes at so much of the rate that is wanted is not asked for: 50 Hz are not 100.
+const ENOUGH: f64 = 0.7;
 /// The rate of what is no body rate, Hz.
 const SLOW_HZ: f64 = 5.0;
 /// ATTITUDE takes so many bits of a serial line: 40 bytes and what frames them.
@@ -107,7 +109,7 @@ impl Intervals {
                 return None;
             }
             let hz = wanted.hz.min(way.most_hz);
-            if way.tries >= TRIES || 2.0 * wanted.comes.hz(now) >= hz {
+            if way.tries >= TRIES || wanted.comes.hz(now) >= ENOUGH * hz {
                 (way.at, way.tries, way.asked) = (way.at + 1, 0, None);
                 continue;
             }
@@ -175,7 +177,7 @@ mod tests {
     #[test]
     fn three_times_where_there_is_no_answer_and_not_at_all_for_what_comes() {
         for answer in [None, Some(MavResult::MAV_RESULT_TEMPORARILY_REJECTED)] {
-            let ids: Vec<u32> = asked(10, answer).iter().map(|a| a.1).collect();
+            let ids: Vec<u32> = asked(20, answer).iter().map(|a| a.1).collect();
             assert_eq!(ids, [33, 33, 33, 74, 74, 74], "{answer:?}");
         }
     }
