@@ -210,6 +210,28 @@ fn one_signal_an_update_and_none_without_a_change() {
 }
 
 #[test]
+fn forty_signals_a_second_when_they_are_asked_for() {
+    let bus = Bus::new();
+    let daemon = Daemon::start(&bus);
+    let mut info = dbus_bus::info();
+    info.update = Duration::from_millis(25);
+    *daemon.control.info.lock().unwrap() = info.into();
+    daemon.frame(level);
+    let monitor = bus.monitor();
+    let start = Instant::now();
+    for i in 0..400 {
+        daemon.shared.update(|s| {
+            s.sequence += 1;
+            s.written = irhorizon::clock::now();
+            s.estimate.attitude = Some(Attitude::from_degrees(f64::from(i) * 0.1, 0.0));
+        });
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let (due, seen) = (start.elapsed().as_secs_f64() * 40.0, monitor.stop().len() as f64);
+    assert!((due * 0.7..=due + 2.0).contains(&seen), "{seen} signals of {due}");
+}
+
+#[test]
 fn a_fault_is_signalled_at_once() {
     let bus = Bus::new();
     let daemon = Daemon::start(&bus);

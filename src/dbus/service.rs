@@ -20,12 +20,12 @@ use std::pin::pin;
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex};
 use std::task::Poll;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use zbus::Connection;
 use zbus::fdo::{ObjectManager, RequestNameFlags};
 use zruntime::SharedRuntime;
 
-/// Between two looks at the shared state: a change of mode or faults is signalled this late at most.
+/// Between two looks at the shared state, at most: a change of mode or faults is signalled this late.
 const LOOK: Duration = Duration::from_millis(50);
 /// The pause before the first new attempt to connect; doubled after each failure.
 const BACKOFF_FIRST: Duration = Duration::from_millis(200);
@@ -55,7 +55,7 @@ pub fn run(service: &Service, first: SyncSender<Result<(), DbusError>>) {
     zbus::block_on(async {
         match SharedRuntime::current() {
             Ok(runtime) => {
-                let serving = Serving { service, runtime };
+                let serving = Serving { service, runtime, start: Instant::now() };
                 race(serving.serve(first), serving.stopped()).await;
             }
             Err(e) => {
@@ -78,9 +78,21 @@ async fn race(a: impl Future<Output = ()>, b: impl Future<Output = ()>) {
 struct Serving<'a> {
     service: &'a Service,
     runtime: SharedRuntime,
+    start: Instant,
 }
 
 impl Serving<'_> {
+    /// Sleeps until `count` times `every` have come round. They come round for all at the same instants: the thread
+    /// wakes once.
+    async fn pass(&self, every: Duration, count: u32) {
+        let passed = self.start.elapsed().as_nanos() / every.as_nanos().max(1);
+        let due = u32::try_from(passed).ok().and_then(|n| every.checked_mul(n.checked_add(count)?));
+        match due.and_then(|due| self.start.checked_add(due)) {
+            Some(due) => self.runtime.sleep_until(due).await,
+            None => self.runtime.sleep(every * count).await,
+        }
+    }
+
     fn stopping(&self) -> bool {
         self.service.shared.lock().stopping
     }
@@ -89,7 +101,7 @@ impl Serving<'_> {
     async fn stopped(&self) {
         loop {
             let stopping = self.stopping();
-            self.runtime.sleep(Duration::from_millis(90)).await;
+            self.pass(LOOK, 2).await;
             if stopping {
                 return;
             }
@@ -184,10 +196,11 @@ impl Serving<'_> {
         let horizon = Horizon { live: live.clone(), control: self.service.control.clone() };
         let mut sent = Signalled::default();
         while !connection.is_closed() {
-            let (stopping, newest) = {
+            let (stopping, newest, every) = {
                 let newest = self.service.shared.lock();
-                lock(live).look(&newest, clock::now());
-                (newest.stopping, newest.generation)
+                let mut live = lock(live);
+                live.look(&newest, clock::now());
+                (newest.stopping, newest.generation, live.info.update.min(LOOK))
             };
             if stopping {
                 return;
@@ -197,13 +210,13 @@ impl Serving<'_> {
                     generation = newest;
                     self.reloaded(connection, live).await?;
                 }
-                sent.signal(connection, &horizon).await
+                sent.signal(connection, &horizon, every / 2).await
             };
             if let Err(e) = outcome.await {
                 log::debug!("D-Bus: {e}");
                 return;
             }
-            self.runtime.sleep(LOOK).await;
+            self.pass(every, 1).await;
         }
     }
 

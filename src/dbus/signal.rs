@@ -5,7 +5,7 @@ use super::{HORIZON, PATH};
 use crate::attitude::Mode;
 use crate::fault::FaultKind;
 use std::collections::BTreeMap;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use zbus::{Connection, Variant};
 
 /// What was signalled last, and when the next is due.
@@ -18,16 +18,17 @@ pub(super) struct Signalled {
 }
 
 impl Signalled {
-    /// Sends one PropertiesChanged for all that changed, when it is due or the mode or the faults
+    /// Sends one PropertiesChanged for all that changed, when it is due within `early` or the mode or the faults
     /// have changed.
-    pub async fn signal(&mut self, connection: &Connection, horizon: &Horizon) -> zbus::Result<()> {
+    pub async fn signal(&mut self, connection: &Connection, horizon: &Horizon, early: Duration) -> zbus::Result<()> {
         let now = Instant::now();
+        let soon = now + early;
         let update = {
             let live = lock(&horizon.live);
             let estimate = &live.snapshot.estimate;
             let kinds = || estimate.faults.iter().map(|f| f.kind);
             let urgent = self.mode != estimate.mode || !kinds().eq(self.faults.iter().copied());
-            if !urgent && self.due.is_some_and(|due| now < due) {
+            if !urgent && self.due.is_some_and(|due| soon < due) {
                 return Ok(());
             }
             self.mode = estimate.mode;
@@ -37,8 +38,8 @@ impl Signalled {
         };
         // Steps of the period keep the rate; after a pause it starts anew.
         self.due = Some(match self.due {
-            Some(due) if due <= now && now < due + update => due + update,
-            Some(due) if now < due => due,
+            Some(due) if due <= soon && soon < due + update => due + update,
+            Some(due) if soon < due => due,
             _ => now + update,
         });
         let values: Vec<_> = horizon.signalled().into();
