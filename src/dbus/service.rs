@@ -26,7 +26,7 @@ use zbus::fdo::{ObjectManager, RequestNameFlags};
 use zruntime::SharedRuntime;
 
 /// Between two looks at the shared state, at most: a change of mode or faults is signalled this late.
-const LOOK: Duration = Duration::from_millis(50);
+const LOOK: Duration = Duration::from_millis(100);
 /// The pause before the first new attempt to connect; doubled after each failure.
 const BACKOFF_FIRST: Duration = Duration::from_millis(200);
 /// The longest pause: after any absence of the bus the service is back on it within 2 s, all told.
@@ -101,7 +101,7 @@ impl Serving<'_> {
     async fn stopped(&self) {
         loop {
             let stopping = self.stopping();
-            self.pass(LOOK, 2).await;
+            self.pass(LOOK, 1).await;
             if stopping {
                 return;
             }
