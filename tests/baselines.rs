@@ -4,10 +4,15 @@
 #[path = "../benches/baselines/schemes/mod.rs"]
 mod schemes;
 
+use irhorizon::attitude::{Attitude, Estimate};
 use irhorizon::config;
+use irhorizon::ctl::replay::replay;
 use irhorizon::frame::Frame;
+use irhorizon::head::Head;
 use irhorizon::recording::Recording;
 use schemes::{ArduPilot, Baseline, FullVector, Paparazzi, Report, Uavx};
+use std::fmt::Write as _;
+use std::io::Cursor;
 use std::path::Path;
 
 /// Seconds, the signals x, y, z, and the roll and pitch that the formula gives for them.
@@ -115,6 +120,33 @@ fn whatever_comes_what_goes_out_is_finite_and_in_range() {
                 assert!((-180.0..=180.0).contains(&roll), "{name}: roll {roll} from {signals:?}");
                 assert!((-90.0..=90.0).contains(&pitch), "{name}: pitch {pitch} from {signals:?}");
             }
+        }
+    }
+}
+
+/// Every frame gets its line, and every line its angles.
+#[test]
+fn a_replay_gives_each_frame_its_attitude() {
+    let mut recording = String::from("time_s,nose_obj_c,tail_obj_c,left_obj_c,right_obj_c,up_obj_c,down_obj_c\n");
+    for i in 0..50 {
+        let _ = writeln!(recording, "{:.2},1,0,5,-4,-20,15", f64::from(i) * 0.02);
+    }
+    let head = Head::six();
+    for (name, mut baseline) in schemes::named() {
+        let mut reader =
+            Recording::new(Cursor::new(&recording), "level".into()).unwrap().frames(Some(head.clone())).unwrap();
+        let trim = Attitude::from_degrees(1.0, 0.0);
+        let mut update = |frame: &Frame, estimate: &mut Estimate| {
+            *estimate = schemes::estimate(baseline.as_mut(), &head, frame, trim);
+        };
+        let mut out = Vec::new();
+        replay(&mut reader, false, &mut update, &mut out).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        let rolls: Vec<f64> = text.lines().skip(1).filter_map(|l| l.split(',').nth(1)?.parse().ok()).collect();
+        assert_eq!(rolls.len(), 50, "{name}: {text}");
+        if name == "full-vector" {
+            // The left side is the warmer: it is down.
+            assert!((rolls[0] - ((-9.0_f64).atan2(35.0).to_degrees() - 1.0)).abs() < 1e-3, "{}", rolls[0]);
         }
     }
 }

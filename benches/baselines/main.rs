@@ -7,7 +7,7 @@
 mod schemes;
 
 use clap::Parser;
-use irhorizon::attitude::{Attitude, Estimate, Mode};
+use irhorizon::attitude::{Attitude, Estimate};
 use irhorizon::config::Settings;
 use irhorizon::ctl::error::chain;
 use irhorizon::ctl::kit::{Cause, Kit};
@@ -51,19 +51,9 @@ fn run(baseline: &mut dyn Baseline, file: &Path, settings: &Settings, output: &P
     let head = (!settings.sensors.is_empty()).then(|| settings.head());
     let mut reader = Recording::open(file)?.frames(head)?;
     let head = reader.head().clone();
-    let trim = &settings.head;
-    let mut update = |frame: &Frame, estimate: &mut Estimate| {
-        let attitude = schemes::update(baseline, &head, frame).map(|(roll_deg, pitch_deg)| {
-            Attitude::from_degrees(roll_deg - trim.roll_trim_deg, pitch_deg - trim.pitch_trim_deg)
-        });
-        *estimate = Estimate {
-            time: frame.time,
-            attitude,
-            sigma: Attitude { roll: f64::NAN, pitch: f64::NAN },
-            mode: if attitude.is_some() { Mode::Nominal } else { Mode::Starting },
-            ..Estimate::default()
-        };
-    };
+    let trim = Attitude::from_degrees(settings.head.roll_trim_deg, settings.head.pitch_trim_deg);
+    let mut update =
+        |frame: &Frame, estimate: &mut Estimate| *estimate = schemes::estimate(baseline, &head, frame, trim);
     let mut out = BufWriter::new(File::create(output)?);
     match replay(&mut reader, false, &mut update, &mut out) {
         Ok(summary) => Ok(summary.frames),
