@@ -267,7 +267,8 @@ impl Estimator for FieldEstimator {
         self.last = Some((now, full));
         if dt_s > 0.0 {
             let pace = Pace {
-                rate: [0, 1, 1].map(|i: usize| self.rates[i].factor()),
+                // Where scenes explain what a turn would, calm is not seen either.
+                rate: [0, 1, 1].map(|i: usize| self.rates[i].factor().max(self.scene.unlike())),
                 gyro: [0, 1, 1].map(|i: usize| self.gyro_errors[i].factor()),
                 contrast: self.contrast.factor(),
                 scene_k2: self.scene.variance(),

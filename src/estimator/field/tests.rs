@@ -5,6 +5,7 @@ use super::output::guard;
 use super::state::{RADIANCE, SEEN};
 use super::*;
 use crate::attitude::Attitude;
+use crate::frame::Aiding;
 use crate::simulation::noise::Noise;
 use crate::simulation::scenario::Scenario;
 use crate::source::FrameSource;
@@ -119,6 +120,29 @@ fn what_was_unlike_is_remembered_where_it_begins_anew() {
     let (mut e, expected) = flown();
     e.scene.begin(0.1, 0.8);
     assert!(e.begin(&expected, Time::from_secs_f64(105.0)) && e.scene.lately_unlike() == 0.8);
+}
+
+/// Long calm between clouds taught it that the aircraft does not turn, and a bank was taken for a cloud: 4.9° too little.
+#[test]
+fn what_is_calm_between_clouds_may_bank_all_the_same() {
+    let scenario = Scenario::named("cumulus").unwrap();
+    let mut source = scenario.source(701);
+    let mut e = FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default());
+    let mut frame = Frame::new(6);
+    let mut least = 0.0_f64;
+    for i in 0..15_000 {
+        let now = Time::from_secs_f64(100.0 + f64::from(i) * 0.02);
+        source.scan(now, &mut frame);
+        frame.aiding = Aiding::default();
+        let (given, truth) = (e.update(&frame).attitude, source.truth_at(now));
+        if let Some(given) = given
+            && truth.roll.abs() > 0.35
+        {
+            least = least.max((truth.roll.abs() - given.roll.abs()).to_degrees());
+        }
+    }
+    println!("{least:.2}° too little");
+    assert!(least < 2.0, "{least}° too little");
 }
 
 #[test]
