@@ -25,7 +25,7 @@ use zbus::Connection;
 use zbus::fdo::{ObjectManager, RequestNameFlags};
 use zruntime::SharedRuntime;
 
-/// Between two looks at the shared state, at most: a change of mode or faults is signalled this late.
+/// Between two looks at the shared state at most: so late a change of mode or faults may be signalled.
 const LOOK: Duration = Duration::from_millis(100);
 /// The pause before the first new attempt to connect; doubled after each failure.
 const BACKOFF_FIRST: Duration = Duration::from_millis(200);
@@ -82,15 +82,11 @@ struct Serving<'a> {
 }
 
 impl Serving<'_> {
-    /// Sleeps until `count` times `every` have come round. They come round for all at the same instants: the thread
-    /// wakes once.
-    async fn pass(&self, every: Duration, count: u32) {
-        let passed = self.start.elapsed().as_nanos() / every.as_nanos().max(1);
-        let due = u32::try_from(passed).ok().and_then(|n| every.checked_mul(n.checked_add(count)?));
-        match due.and_then(|due| self.start.checked_add(due)) {
-            Some(due) => self.runtime.sleep_until(due).await,
-            None => self.runtime.sleep(every * count).await,
-        }
+    /// Sleeps until `every` has come round: for all at the same instants, so that the thread wakes once.
+    async fn pass(&self, every: Duration) {
+        let since = self.start.elapsed().as_nanos() % every.as_nanos().max(1);
+        let since = u64::try_from(since).map_or(Duration::ZERO, Duration::from_nanos);
+        self.runtime.sleep(every.saturating_sub(since)).await;
     }
 
     fn stopping(&self) -> bool {
@@ -101,7 +97,7 @@ impl Serving<'_> {
     async fn stopped(&self) {
         loop {
             let stopping = self.stopping();
-            self.pass(LOOK, 1).await;
+            self.pass(LOOK).await;
             if stopping {
                 return;
             }
@@ -216,7 +212,7 @@ impl Serving<'_> {
                 log::debug!("D-Bus: {e}");
                 return;
             }
-            self.pass(every, 1).await;
+            self.pass(every).await;
         }
     }
 
