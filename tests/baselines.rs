@@ -1,6 +1,8 @@
 //! The schemes that benchmarks compare with are the published ones: their formulas in tables, and
 //! their errors on a real flight as another program reckoned them.
 
+#[path = "../benches/baselines/replayed.rs"]
+mod replayed;
 #[path = "../benches/baselines/schemes/mod.rs"]
 mod schemes;
 
@@ -137,7 +139,7 @@ fn a_replay_gives_each_frame_its_attitude() {
             Recording::new(Cursor::new(&recording), "level".into()).unwrap().frames(Some(head.clone())).unwrap();
         let trim = Attitude::from_degrees(1.0, 0.0);
         let mut update = |frame: &Frame, estimate: &mut Estimate| {
-            *estimate = schemes::estimate(baseline.as_mut(), &head, frame, trim);
+            *estimate = replayed::estimate(baseline.as_mut(), &head, frame, trim);
         };
         let mut out = Vec::new();
         replay(&mut reader, false, &mut update, &mut out).unwrap();

@@ -213,9 +213,7 @@ fn one_signal_an_update_and_none_without_a_change() {
 fn forty_signals_a_second_when_they_are_asked_for() {
     let bus = Bus::new();
     let daemon = Daemon::start(&bus);
-    let mut info = dbus_bus::info();
-    info.update = Duration::from_millis(25);
-    *daemon.control.info.lock().unwrap() = info.into();
+    daemon.signal_every(Duration::from_millis(25));
     daemon.frame(level);
     let monitor = bus.monitor();
     let start = Instant::now();
@@ -235,9 +233,7 @@ fn forty_signals_a_second_when_they_are_asked_for() {
 fn a_fault_is_signalled_at_once() {
     let bus = Bus::new();
     let daemon = Daemon::start(&bus);
-    let mut slow = dbus_bus::info();
-    slow.update = Duration::from_secs(10);
-    *daemon.control.info.lock().unwrap() = slow.into();
+    daemon.signal_every(Duration::from_secs(10));
     daemon.frame(|_| ());
     daemon.frame(level);
     let monitor = bus.monitor();

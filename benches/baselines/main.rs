@@ -4,6 +4,7 @@
 //!
 //! The head's trim is taken off as it is off our own; standard deviation and contrast stay empty.
 
+mod replayed;
 mod schemes;
 
 use clap::Parser;
@@ -53,7 +54,7 @@ fn run(baseline: &mut dyn Baseline, file: &Path, settings: &Settings, output: &P
     let head = reader.head().clone();
     let trim = Attitude::from_degrees(settings.head.roll_trim_deg, settings.head.pitch_trim_deg);
     let mut update =
-        |frame: &Frame, estimate: &mut Estimate| *estimate = schemes::estimate(baseline, &head, frame, trim);
+        |frame: &Frame, estimate: &mut Estimate| *estimate = replayed::estimate(baseline, &head, frame, trim);
     let mut out = BufWriter::new(File::create(output)?);
     match replay(&mut reader, false, &mut update, &mut out) {
         Ok(summary) => Ok(summary.frames),

@@ -262,6 +262,11 @@ impl Daemon {
         }
     }
 
+    /// Has changes signalled once in `period`, from the next frame on.
+    pub fn signal_every(&self, period: Duration) {
+        *self.control.info.lock().unwrap() = ServiceInfo { update: period, ..info() }.into();
+    }
+
     /// How long the thread took to end.
     pub fn stop(&mut self) -> Duration {
         let start = Instant::now();

@@ -14,7 +14,6 @@ mod paparazzi;
 mod report;
 mod uavx;
 
-use irhorizon::attitude::{Attitude, Estimate, Mode};
 use irhorizon::estimator::contrast_vector::contrast_vector;
 use irhorizon::frame::Frame;
 use irhorizon::head::Head;
@@ -47,23 +46,6 @@ pub fn named() -> [(&'static str, Box<dyn Baseline>); 5] {
 pub fn update(baseline: &mut dyn Baseline, head: &Head, frame: &Frame) -> Option<(f64, f64)> {
     let signals_k = contrast_vector(head, frame)?;
     baseline.update(frame.sample_time()?.as_secs_f64(), signals_k)
-}
-
-/// The same as `irhorizonctl replay` takes it, less `trim`; without standard deviations.
-#[allow(dead_code)] // The benchmark that prints the table has no use for it.
-pub fn estimate(baseline: &mut dyn Baseline, head: &Head, frame: &Frame, trim: Attitude) -> Estimate {
-    let attitude = update(baseline, head, frame).map(|(roll_deg, pitch_deg)| {
-        let Attitude { roll, pitch } = Attitude::from_degrees(roll_deg, pitch_deg);
-        Attitude { roll: roll - trim.roll, pitch: pitch - trim.pitch }
-    });
-    Estimate {
-        time: frame.time,
-        valid_at: frame.time,
-        attitude,
-        sigma: Attitude { roll: f64::NAN, pitch: f64::NAN },
-        mode: if attitude.is_some() { Mode::Nominal } else { Mode::Starting },
-        ..Estimate::default()
-    }
 }
 
 /// The inverse sine of `signal` on `range` (one unit for both), °; ±90 beyond it. `None` without a range.
