@@ -25,8 +25,9 @@ use zbus::Connection;
 use zbus::fdo::{ObjectManager, RequestNameFlags};
 use zruntime::SharedRuntime;
 
-/// Between two looks at the shared state at most: so late a change of mode or faults may be signalled.
-const LOOK: Duration = Duration::from_millis(100);
+/// Between two looks at the shared state at most: so late a change of mode or faults may be signalled, and so old what
+/// a client reads.
+const LOOK: Duration = Duration::from_millis(50);
 /// The pause before the first new attempt to connect; doubled after each failure.
 const BACKOFF_FIRST: Duration = Duration::from_millis(200);
 /// The longest pause: after any absence of the bus the service is back on it within 2 s, all told.
@@ -97,6 +98,7 @@ impl Serving<'_> {
     async fn stopped(&self) {
         loop {
             let stopping = self.stopping();
+            self.pass(LOOK).await;
             self.pass(LOOK).await;
             if stopping {
                 return;
