@@ -1,4 +1,59 @@
-//! The noise that standard deviations assume of the sensors.
+//! The noise of the sensors: what standard deviations assume of it, and how it shows.
+
+use crate::time::Time;
 
 /// Noise of one pair's signal, K rms: two sensors of 0.08 K.
 pub const PAIR_NOISE_K: f64 = 0.113;
+
+/// Farther apart than this the aircraft itself moves from reading to reading, s.
+const APART_S: f64 = 0.045;
+
+/// One sensor's last two readings, K, with the time of the last: noise shows in second differences, as what changes
+/// evenly leaves none.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Jumps {
+    last: Option<(f64, Option<f64>, Time)>,
+}
+
+impl Jumps {
+    /// Takes in a reading; with the two before it, how long after the last it came, s, and the variance that the three
+    /// show, K². None where they are too far apart, and for a reading that is not new.
+    pub fn update(&mut self, reading_k: f64, time: Time) -> Option<(f64, f64)> {
+        let (one, two, at) = self.last.unwrap_or((reading_k, None, time));
+        let since_s = time.since(at);
+        if self.last.is_some() && since_s <= 0.0 {
+            return None;
+        }
+        let near = self.last.is_some() && since_s <= APART_S;
+        self.last = Some((reading_k, near.then_some(one), time));
+        // White noise: the variance of x − 2y + z is six times that of each.
+        two.filter(|_| near).map(|two| (since_s, (reading_k - 2.0 * one + two).powi(2) / 6.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_changes_evenly_has_no_noise_and_what_alternates_has() {
+        let (mut even, mut alternating) = (Jumps::default(), Jumps::default());
+        for i in 0..100 {
+            let time = Time::from_secs_f64(5.0 + 0.02 * f64::from(i));
+            let (a, b) = (even.update(0.3 * f64::from(i), time), alternating.update(f64::from(i % 2), time));
+            assert_eq!((a.is_some(), b.is_some()), (i > 1, i > 1));
+            if let (Some((dt_s, none)), Some((_, much))) = (a, b) {
+                assert!((dt_s - 0.02).abs() < 1e-9 && none < 1e-20 && (much - 4.0 / 6.0).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_new_or_comes_too_late_tells_nothing() {
+        let mut jumps = Jumps::default();
+        let told: Vec<bool> = [1.0, 1.02, 1.04, 1.04, 1.0, 1.06, 1.2, 1.22, 1.24]
+            .map(|s| jumps.update(s * s, Time::from_secs_f64(s)).is_some())
+            .into();
+        assert_eq!(told, [false, false, true, false, false, true, false, false, true]);
+    }
+}

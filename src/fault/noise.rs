@@ -1,13 +1,11 @@
 //! How noisy the sensors are, from how their readings jump.
 
+use crate::estimator::noise::Jumps;
 use crate::frame::Frame;
 use crate::head::{Head, Sensor};
-use crate::time::Time;
 
 /// Over this time noise is averaged, s.
 const WINDOW_S: f64 = 10.0;
-/// Farther apart than this the aircraft itself moves from reading to reading, s.
-const APART_S: f64 = 0.045;
 /// A jump so many times the noise known is no noise.
 const LARGEST: f64 = 4.0;
 /// Of so many sensors the first are asked.
@@ -15,44 +13,27 @@ const MOST: usize = 16;
 /// Noise at the beginning, K.
 const FIRST_K: f64 = 0.1;
 
-/// One sensor: its last two readings, K, with the time of the last, and its noise, K².
-#[derive(Clone, Copy, Debug)]
-struct Jumps {
-    last: Option<(f64, Option<f64>, Time)>,
-    square: f64,
-}
-
 /// Measures the noise of a head's sensors by second differences: what changes evenly leaves none.
 #[derive(Clone, Debug)]
 pub struct NoiseMeter {
-    sensors: Vec<Jumps>,
+    /// Of each sensor, with its noise, K².
+    sensors: Vec<(Jumps, f64)>,
 }
 
 impl NoiseMeter {
     /// For a head.
     pub fn new(head: &Head) -> Self {
-        let first = Jumps { last: None, square: FIRST_K * FIRST_K };
-        Self { sensors: vec![first; head.sensors.len()] }
+        Self { sensors: vec![(Jumps::default(), FIRST_K * FIRST_K); head.sensors.len()] }
     }
 
     /// Takes in a frame of `head`.
     pub fn update(&mut self, head: &Head, frame: &Frame) {
-        for (i, jumps) in self.sensors.iter_mut().enumerate() {
+        for (i, (jumps, square)) in self.sensors.iter_mut().enumerate() {
             let Some((reading, time)) = head.reading_k(i, frame) else { continue };
-            let (before, square) = (jumps.last, &mut jumps.square);
-            jumps.last = match before {
-                Some((_, _, at)) if time <= at => before,
-                Some((one, two, at)) if time.since(at) <= APART_S => {
-                    if let Some(two) = two {
-                        // White noise: the variance of x − 2y + z is six times that of each.
-                        let seen = (reading - 2.0 * one + two).powi(2) / 6.0;
-                        let share = -(-time.since(at) / WINDOW_S).exp_m1();
-                        *square += share * (seen.min(LARGEST * LARGEST * square.max(1e-6)) - *square);
-                    }
-                    Some((reading, Some(one), time))
-                }
-                _ => Some((reading, None, time)),
-            };
+            if let Some((dt_s, seen)) = jumps.update(reading, time) {
+                let share = -(-dt_s / WINDOW_S).exp_m1();
+                *square += share * (seen.min(LARGEST * LARGEST * square.max(1e-6)) - *square);
+            }
         }
     }
 
@@ -60,7 +41,7 @@ impl NoiseMeter {
     pub fn pair_k(&self, head: &Head) -> f64 {
         let two = |s: &Sensor| if s.is_absolute() { 2.0 } else { 1.0 };
         let mut middle = [0.0; MOST];
-        let squares = self.sensors.iter().zip(&head.sensors).map(|(j, s)| two(s) * j.square);
+        let squares = self.sensors.iter().zip(&head.sensors).map(|((_, square), s)| two(s) * square);
         let count = middle.iter_mut().zip(squares).map(|(m, s)| *m = s).count();
         middle[..count].sort_by(f64::total_cmp);
         middle[count.saturating_sub(1) / 2].sqrt()

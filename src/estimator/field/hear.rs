@@ -32,9 +32,10 @@ impl FieldEstimator {
             self.stuck[i].update(value, self.state.plain[i], time);
             Some(value)
         });
-        self.is_stuck = Stuck::among(&self.stuck);
-        for (reading, stuck) in readings.iter_mut().zip(self.is_stuck) {
-            *reading = reading.filter(|_| !stuck);
+        let odd;
+        (self.is_stuck, odd) = Stuck::among(&self.stuck);
+        for (i, reading) in readings.iter_mut().enumerate() {
+            *reading = reading.filter(|_| !self.is_stuck[i] && !odd[i]);
         }
         (readings, newest)
     }

@@ -5,7 +5,7 @@ use super::output::guard;
 use super::state::{RADIANCE, SEEN};
 use super::*;
 use crate::attitude::Attitude;
-use crate::frame::Aiding;
+use crate::frame::{Aiding, Sample};
 use crate::simulation::noise::Noise;
 use crate::simulation::scenario::Scenario;
 use crate::source::FrameSource;
@@ -75,6 +75,24 @@ fn slow_references_that_lie_do_not_pull_a_good_attitude_away() {
         f.aiding.course_deg = Some(360.0 * noise.uniform());
     });
     assert!(off < 1.5, "{off}");
+}
+
+/// Doubted within a tenth of a second, left out within half of one, wherever it stops.
+#[test]
+fn a_sensor_that_stops_pulls_nothing_along() {
+    for (i, from_s) in (0..6).flat_map(|i| [30.5, 34.5, 38.5, 43.5].map(|s| (i, s))) {
+        let mut stopped = None;
+        let off = worst("clear-dry", 60.0, |frame, s| {
+            frame.aiding = Aiding::default();
+            if s > from_s
+                && let Ok(Sample { value, time }) = frame.readings[i]
+            {
+                frame.readings[i] = Ok(Sample { value: *stopped.get_or_insert(value), time });
+            }
+        });
+        println!("{i} {from_s}: {off:.1}");
+        assert!(off < 2.0, "{i} from {from_s} s: {off}");
+    }
 }
 
 /// An estimator that has flown for 5 s, and readings that are what it expects.
