@@ -18,6 +18,8 @@ const GLITCH_K: f64 = 1.0;
 const LARGEST_K: f64 = 4.0;
 /// How long a scene that was unlike is thought to be so still, s.
 const LATELY_S: f64 = 120.0;
+/// How long it has to be unlike to have been so for long, s.
+const LONG_S: f64 = 30.0;
 /// In fewer dimensions a scene of its own is not seen: all may be the sky's depth.
 const LEAST_DIMENSIONS: f64 = 0.25;
 /// A misfit no larger than the first is noise; one of the second is a scene, K.
@@ -134,12 +136,15 @@ pub struct SceneStrength {
     first: f64,
     /// How surely it has lately been seen to be unlike.
     lately: f64,
+    /// How surely it has been so for long.
+    long: f64,
 }
 
 impl SceneStrength {
     /// Never less than `least_k`; learnt with time constants of `learning_s` up and down.
     pub fn new(least_k: f64, learning_s: (f64, f64)) -> Self {
-        Self { least: least_k * least_k, learning_s, left: Pattern::default(), seen: 1e-4, first: 0.0, lately: 0.0 }
+        let least = least_k * least_k;
+        Self { least, learning_s, left: Pattern::default(), seen: 1e-4, first: 0.0, lately: 0.0, long: 0.0 }
     }
 
     /// Begins with scenes of `first_k`, and what has `lately` been seen to be unlike: it is there still, and a filter that
@@ -171,6 +176,7 @@ impl SceneStrength {
         }
         self.first *= (-dt_s / FIRST_S).exp();
         self.lately = self.unlike().max(self.lately * (-dt_s / LATELY_S).exp());
+        self.long += -(-dt_s / LONG_S).exp_m1() * (self.unlike() - self.long);
     }
 
     /// The variance of a scene, K².
@@ -187,6 +193,11 @@ impl SceneStrength {
     /// The same, remembered: what made the scene unlike is still there while nothing shows it.
     pub fn lately_unlike(&self) -> f64 {
         self.lately
+    }
+
+    /// The same, averaged: what is new is not yet there.
+    pub fn long_unlike(&self) -> f64 {
+        self.long
     }
 
     /// The size of what is seen of scenes, K.

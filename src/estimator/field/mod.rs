@@ -273,6 +273,7 @@ impl Estimator for FieldEstimator {
                 contrast: self.contrast.factor(),
                 scene_k2: self.scene.variance(),
                 unlike: self.scene.unlike(),
+                long_unlike: self.scene.long_unlike(),
             };
             predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
             self.turned += dt_s * self.gyro.rates().map_or(0.0, |r| dot(r, self.state.vertical()).abs());

@@ -22,6 +22,8 @@ pub struct Pace {
     pub scene_k2: f64,
     /// How surely the scene is not alike all around, 0..1.
     pub unlike: f64,
+    /// How surely it has not been for long, 0..1.
+    pub long_unlike: f64,
 }
 
 /// Moves `state` on by `dt_s` > 0 with the body rates of a gyro (rad/s on nose, left, up), or by the
@@ -34,7 +36,8 @@ pub fn predict(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, gyro: Op
     } else {
         length(correction(state)) + turning(state.vertical(), t.cruise_m_s).abs()
     };
-    let angle = if gyro.is_some() { t.scene_angle.0 } else { t.scene_angle.1 };
+    let (new, old) = t.unaided_scene_angle;
+    let angle = if gyro.is_some() { t.scene_angle } else { new + pace.long_unlike * (old - new) };
     let scene_keep = (-dt_s * (1.0 / t.scene_time_s + motion / angle)).exp();
     let rate_keep = if gyro.is_some() { 1.0 } else { (-dt_s / t.rate_time_s).exp() };
 

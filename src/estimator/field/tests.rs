@@ -2,7 +2,7 @@
 
 use super::adapt::Whiteness;
 use super::output::guard;
-use super::state::{RADIANCE, SEEN};
+use super::state::{RADIANCE, RATE, SEEN};
 use super::*;
 use crate::attitude::Attitude;
 use crate::frame::{Aiding, Sample};
@@ -161,6 +161,39 @@ fn what_is_calm_between_clouds_may_bank_all_the_same() {
     }
     println!("{least:.2}° too little");
     assert!(least < 2.0, "{least}° too little");
+}
+
+/// Clouds that were there for long are others once the aircraft has turned; what has just come may be a wall.
+#[test]
+fn clouds_that_have_been_there_for_long_are_forgotten_sooner_in_a_turn() {
+    let long_unlike = |name: &str, seconds: u32| {
+        let scenario = Scenario::named(name).unwrap();
+        let mut source = scenario.source(5);
+        let mut e = FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default());
+        let mut frame = Frame::new(6);
+        for i in 0..50 * seconds {
+            source.scan(Time::from_secs_f64(100.0 + f64::from(i) * 0.02), &mut frame);
+            frame.aiding = Aiding::default();
+            e.update(&frame);
+        }
+        e.scene.long_unlike()
+    };
+    let (at_first, later, clear) =
+        (long_unlike("cumulus", 5), long_unlike("cumulus", 120), long_unlike("clear-dry", 120));
+    assert!(at_first < 0.2 && later > 0.6 && clear < 0.1, "{at_first} {later} {clear}");
+
+    let kept = |long_unlike: f64| {
+        let (mut e, _) = flown();
+        let own = e.state.scene(2);
+        e.state.x[own] = 1.0;
+        let pace =
+            Pace { rate: [1.0; 3], gyro: [1.0; 3], contrast: 1.0, scene_k2: 0.01, unlike: long_unlike, long_unlike };
+        e.state.x[RATE] = 1.0;
+        predict(&mut e.state, &e.model, &e.tuning, 0.5, None, &pace);
+        e.state.x[own]
+    };
+    let (new, old) = (kept(0.0), kept(1.0));
+    assert!(0.6 < old && old < 0.93 * new && new < 0.99, "{new} {old}");
 }
 
 #[test]

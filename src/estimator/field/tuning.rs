@@ -47,10 +47,12 @@ pub struct Tuning {
     pub hidden: (f64, f64),
     /// A sensor's own scene at first (for a contrast of 35 K), and its least size.
     pub scene: (f64, f64),
-    /// How long a scene lasts at rest; the angle that turns it into another, with a gyro and without.
+    /// How long a scene lasts at rest.
     pub scene_time_s: f64,
-    /// rad
-    pub scene_angle: (f64, f64),
+    /// The angle that turns a scene into another, with a gyro.
+    pub scene_angle: f64,
+    /// The same without: while there was none before it, and once there have been some for long.
+    pub unaided_scene_angle: (f64, f64),
     /// How fast a stronger scene is learnt, and a weaker one, s.
     pub scene_learning_s: (f64, f64),
     /// Bank and pitch offsets against the slow references: at first and their walk.
@@ -89,7 +91,8 @@ impl Default for Tuning {
             hidden: (3.5, 1.0),
             scene: (0.15, 0.012),
             scene_time_s: 60.0,
-            scene_angle: (0.8, 3.0),
+            scene_angle: 0.8,
+            unaided_scene_angle: (3.0, 1.5),
             scene_learning_s: (2.0, 8.0),
             offset: (deg(6.0), deg(0.02)),
             turn: (deg(3.0), 1.0),

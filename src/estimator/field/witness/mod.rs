@@ -177,7 +177,7 @@ impl Witnesses {
             None => std::array::from_fn(|i| self.shape[3 + i] * t.rate_sigma[i]),
         };
         let motion = gyro.map_or(0.0, |r| r.iter().map(|c| c * c).sum::<f64>().sqrt());
-        let keep = (-window.dt_s * (1.0 / t.scene_time_s + motion / t.scene_angle.0)).exp();
+        let keep = (-window.dt_s * (1.0 / t.scene_time_s + motion / t.scene_angle)).exp();
         let contrast = known.sky.contrast_k.abs().max(1.0);
         let step = Step {
             dt_s: window.dt_s,
