@@ -11,7 +11,7 @@ use events::report::{self, Asked};
 
 /// What is known to be missed, said in docs/faults.md: in how many of the flights what is asked must be reached
 /// nevertheless.
-const KNOWN: [(&str, &str, &str, usize); 20] = [
+const KNOWN: [(&str, &str, &str, usize); 19] = [
     ("film on one sensor, 92 % in 3 s", "without aiding", "seen in time", 22),
     ("film on one sensor, 92 % in 3 s", "without aiding", "nothing else said", 18),
     ("film on one sensor, 92 % in 3 s", "without aiding", "error", 13),
@@ -23,14 +23,13 @@ const KNOWN: [(&str, &str, &str, usize); 20] = [
     ("ridge of 25° on one side, in 3 s", "without aiding", "nothing else said", 20),
     ("ridge of 25° on one side, in 3 s", "without aiding", "2 sigma", 7),
     ("ridge of 25° on one side, in 3 s", "with rates and GPS", "seen in time", 15),
-    ("ridge of 25° on one side, in 3 s", "with rates and GPS", "nothing else said", 23),
     ("ridge of 25° on one side, in 3 s", "with rates and GPS", "error", 22),
     ("stuck sensor", "without aiding", "error", 23),
     ("valley of 35°, in 3 s", "without aiding", "seen in time", 10),
-    ("valley of 35°, in 3 s", "without aiding", "nothing else said", 12),
+    ("valley of 35°, in 3 s", "without aiding", "nothing else said", 15),
     ("valley of 35°, in 3 s", "without aiding", "2 sigma", 14),
     ("valley of 35°, in 3 s", "with rates and GPS", "seen in time", 18),
-    ("valley of 35°, in 3 s", "with rates and GPS", "nothing else said", 15),
+    ("valley of 35°, in 3 s", "with rates and GPS", "nothing else said", 20),
     ("hail: 5 K to −2 K in 2 s", "without aiding", "error", 23),
 ];
 

@@ -57,7 +57,7 @@ impl Detectors {
     pub fn update(&mut self, frame: &Frame, solution: &Solution, buses_down: &[Option<Missing>]) -> bool {
         let low = self.low.update(solution, frame);
         let inverted = self.inverted.update(solution, frame.time);
-        self.wet.update(frame, solution, self.low.limit_k());
+        self.wet.update(frame, solution, self.low.limit_k(), self.obstructed.is_active());
         // A scene of next to no contrast is no scene.
         if low == State::Clear {
             self.obstructed.update(solution, frame.time);

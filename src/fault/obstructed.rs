@@ -37,6 +37,11 @@ impl Obstructed {
         self.obstructed.update(hidden > limit, now);
     }
 
+    /// Whether it is.
+    pub fn is_active(&self) -> bool {
+        self.obstructed.is_active()
+    }
+
     /// Adds what is there to `faults`.
     pub fn report(&self, faults: &mut Vec<ActiveFault>) {
         let [value, limit] = [self.hidden, self.limit].map(f64::to_degrees);

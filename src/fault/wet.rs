@@ -40,8 +40,9 @@ impl WetSensors {
         self.limit = limit;
     }
 
-    /// Takes in a frame and what the method makes of it; `low_k` is the contrast below which it is low.
-    pub fn update(&mut self, frame: &Frame, solution: &Solution, low_k: f64) {
+    /// Takes in a frame and what the method makes of it; `low_k` is the contrast below which it is low; whether the
+    /// scene has been found to be `obstructed`.
+    pub fn update(&mut self, frame: &Frame, solution: &Solution, low_k: f64, obstructed: bool) {
         let now_s = frame.time.as_secs_f64();
         let dt_s = self.last_s.replace(now_s).map_or(0.0, |last| (now_s - last).clamp(0.0, 1.0));
         let mut apart_k = Some(0.0);
@@ -56,7 +57,7 @@ impl WetSensors {
             range_c = (range_c.0.min(object_c), range_c.1.max(object_c));
             let hearing = solution.sensors.get(i).copied().unwrap_or_default();
             film.see(object_c, ambient_c, &hearing, dt_s);
-            film.judge(self.limit, frame.time);
+            film.judge(self.limit, obstructed, frame.time);
         }
         if self.absolute {
             let seen_k = apart_k.map(|apart_k| [range_c.1 - range_c.0, apart_k]);

@@ -63,10 +63,11 @@ impl Film {
         self.share.or(self.lost)
     }
 
-    /// Decides, with the share of a film from which it is wet, 0..1.
-    pub fn judge(&mut self, limit: f64, now: Time) {
+    /// Decides, with the share of a film from which it is wet, 0..1. What the others say counts for nothing where the
+    /// scene is found to be `obstructed`: it may see a wall.
+    pub fn judge(&mut self, limit: f64, obstructed: bool, now: Time) {
         let limit = if self.wet.is_active() { HYSTERESIS * limit } else { limit };
-        let contradicted = self.out_s > CONTRADICTED_S;
+        let contradicted = self.out_s > CONTRADICTED_S && !obstructed;
         let wet = self.out_s > 0.0 && (self.film().is_some_and(|f| f > limit) || contradicted);
         self.wet.update(wet, now);
     }

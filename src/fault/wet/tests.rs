@@ -11,6 +11,7 @@ const OWN_C: f64 = 24.0;
 struct Flight {
     wet: WetSensors,
     time_s: f64,
+    obstructed: bool,
 }
 
 /// What sensor [`WET`] should show, °C: it changes as the aircraft turns.
@@ -20,7 +21,7 @@ fn due_c(time_s: f64) -> f64 {
 
 impl Flight {
     fn new() -> Self {
-        Self { wet: WetSensors::new(&Head::six(), 0.5), time_s: 100.0 }
+        Self { wet: WetSensors::new(&Head::six(), 0.5), time_s: 100.0, obstructed: false }
     }
 
     /// So many seconds: a film that hides so much, and how the sensor stands. What it hides behind is its own
@@ -33,7 +34,7 @@ impl Flight {
             shown_c[WET] = film * OWN_C + (1.0 - film) * due_c;
             let mut solution = seen(30.0);
             solution.sensors[WET] = Hearing { standing, expected_k: Some(due_c), residual_k: None, lost: Some(film) };
-            self.wet.update(&frame(self.time_s, &shown_c, own_c), &solution, 2.0);
+            self.wet.update(&frame(self.time_s, &shown_c, own_c), &solution, 2.0, self.obstructed);
         }
     }
 
@@ -88,6 +89,20 @@ fn one_that_others_contradict_for_long_is_told_without_a_film() {
     assert_eq!(flight.told().len(), 1);
 }
 
+/// Where the scene is not one horizon, others contradict a sensor that is right; a film is seen there as well.
+#[test]
+fn among_walls_what_the_others_say_proves_no_film() {
+    let mut flight = Flight { obstructed: true, ..Flight::new() };
+    flight.fly(20.0, 0.3, Standing::LeftOut, Some(OWN_C));
+    assert_eq!(flight.told(), []);
+    flight.obstructed = false;
+    flight.fly(1.0, 0.3, Standing::LeftOut, Some(OWN_C));
+    assert_eq!(flight.told().len(), 1, "out of the valley it is still contradicted");
+    let mut flight = Flight { obstructed: true, ..Flight::new() };
+    flight.fly(3.0, 0.9, Standing::LeftOut, Some(OWN_C));
+    assert_eq!(flight.told().len(), 1);
+}
+
 #[test]
 fn it_dries() {
     let mut flight = Flight::new();
@@ -113,7 +128,7 @@ fn collapse(wet: &mut WetSensors, seconds: f64, contrast: f64, apart: f64, low: 
         let (contrast, apart) = if time_s < 160.0 { (1.0, 1.0) } else { (contrast, apart) };
         let shown_c = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0].map(|side| OWN_C - 20.0 * apart + 15.0 * contrast * side);
         let low_k = if low { 10.0 } else { 2.0 };
-        wet.update(&frame(time_s, &shown_c, Some(OWN_C)), &seen(30.0 * contrast), low_k);
+        wet.update(&frame(time_s, &shown_c, Some(OWN_C)), &seen(30.0 * contrast), low_k, false);
     }
     told(|f| wet.report(f)).len()
 }
