@@ -32,10 +32,10 @@ impl FieldEstimator {
             self.stuck[i].update(value, self.state.plain[i], time);
             Some(value)
         });
-        let odd;
-        (self.is_stuck, odd) = Stuck::among(&self.stuck);
+        self.is_stuck = Stuck::among(&self.stuck);
+        let suspects = Stuck::suspects(&self.stuck);
         for (i, reading) in readings.iter_mut().enumerate() {
-            *reading = reading.filter(|_| !self.is_stuck[i] && !odd[i]);
+            *reading = reading.filter(|_| !self.is_stuck[i] && !suspects[i]);
         }
         (readings, newest)
     }

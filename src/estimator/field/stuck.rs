@@ -97,14 +97,21 @@ impl Stuck {
         self.same_s > self.longest_s && self.noise.moves_all()
     }
 
-    /// Which of `sensors` are stuck, and which are not to be heard for a moment as they may be.
-    pub fn among<const N: usize>(sensors: &[Self; N]) -> ([bool; N], [bool; N]) {
-        let some = |which: fn(&Self) -> bool, of: fn(&Self) -> bool| {
-            let at_rest = sensors.iter().filter(|s| of(s)).count() >= AT_REST;
-            sensors.map(|s| !at_rest && which(&s))
-        };
-        (some(Self::is_wrong, Self::repeats), some(Self::is_odd, |s| s.is_odd() || s.repeats()))
+    /// Which of `sensors` are stuck.
+    pub fn among<const N: usize>(sensors: &[Self; N]) -> [bool; N] {
+        few(sensors, Self::is_wrong, Self::repeats)
     }
+
+    /// Which of `sensors` are not to be heard for a moment, as they may be.
+    pub fn suspects<const N: usize>(sensors: &[Self; N]) -> [bool; N] {
+        few(sensors, Self::is_odd, |s| s.is_odd() || s.repeats())
+    }
+}
+
+/// Those of `sensors` that are `wrong`, unless so many are still that all are at rest.
+fn few<const N: usize>(sensors: &[Stuck; N], wrong: fn(&Stuck) -> bool, still: fn(&Stuck) -> bool) -> [bool; N] {
+    let at_rest = sensors.iter().filter(|s| still(s)).count() >= AT_REST;
+    sensors.map(|s| !at_rest && wrong(&s))
 }
 
 #[cfg(test)]
@@ -125,7 +132,7 @@ mod tests {
                 shown = ((turn + noise_k * noise.normal()) / step_k).round() * step_k;
             }
             stuck[0].update(shown, 0.0, Time::from_secs_f64(10.0 + 0.02 * f64::from(i)));
-            let found = Stuck::among(&stuck).0[0];
+            let found = Stuck::among(&stuck)[0];
             wrongly += u32::from(goes && found);
             seen = seen.or((!goes && found).then(|| f64::from(i) / 50.0 - f64::from(seconds)));
         }
@@ -150,7 +157,7 @@ mod tests {
                 let shown = if rests { 1.0 } else { (0.08 * noise.normal() / 0.02).round() * 0.02 };
                 s.update(shown, 0.0, Time::from_secs_f64(10.0 + 0.02 * f64::from(i)));
             }
-            told.push(Stuck::among(&stuck).1[0]);
+            told.push(Stuck::suspects(&stuck)[0]);
         }
         let odd = |from: usize, to: usize| told[from..to].iter().filter(|t| **t).count();
         assert!(odd(300, 500) <= 1 && odd(507, 511) == 4 && odd(518, 520) == 0, "{told:?}");
@@ -160,6 +167,9 @@ mod tests {
     fn coarse_steps_and_slow_sensors_are_not_for_that() {
         assert_eq!(noisy(0.08, 0.5, 1, 600), (0, None), "coarse steps");
         assert_eq!(noisy(0.01, 0.02, 1, 600), (0, None), "quiet");
+        for noise_k in [0.02, 0.03, 0.04, 0.06] {
+            assert_eq!(noisy(noise_k, 0.02, 1, 3600).0, 0, "{noise_k} K");
+        }
         for hold in [2, 5, 15, 40] {
             let (wrongly, seen) = noisy(0.08, 0.02, hold, 600);
             assert_eq!(wrongly, 0, "read anew every {hold}");
@@ -173,16 +183,16 @@ mod tests {
         let mut s = [Stuck::default(); 2];
         for i in 0..500 {
             s[0].update(3.0, 3.0 + 0.001 * f64::from(i), at(0.02 * f64::from(i)));
-            assert_eq!(Stuck::among(&s).0, [false; 2]);
+            assert_eq!(Stuck::among(&s), [false; 2]);
         }
         s[0].update(3.0, 4.5, at(10.0));
-        assert_eq!(Stuck::among(&s).0, [true, false], "the attitude has changed");
+        assert_eq!(Stuck::among(&s), [true, false], "the attitude has changed");
         s[0].update(3.0, 3.0, at(10.5));
-        assert_eq!(Stuck::among(&s).0, [true, false], "and that is not forgotten");
+        assert_eq!(Stuck::among(&s), [true, false], "and that is not forgotten");
         s[0].update(3.02, 9.0, at(11.0));
         s[0].update(3.02, 3.0, at(11.3));
-        assert_eq!(Stuck::among(&s).0, [false; 2], "another reading, not yet for long");
+        assert_eq!(Stuck::among(&s), [false; 2], "another reading, not yet for long");
         s[0].update(3.02, 3.0, at(12.0));
-        assert_eq!(Stuck::among(&[s[0]; 3]).0, [false; 3], "a head at rest");
+        assert_eq!(Stuck::among(&[s[0]; 3]), [false; 3], "a head at rest");
     }
 }
