@@ -10,7 +10,7 @@ const SHARE_S: f64 = 0.5;
 /// What it should show must differ from its own temperature by so much for a share to be seen, K.
 const APART_K: f64 = 3.0;
 /// Seconds for which it must be seen, and must be gone; for one that the others contradict without any film seen.
-const LASTS_S: (f64, f64) = (0.5, 1.0);
+const LASTS_S: (f64, f64) = (0.1, 1.0);
 const CONTRADICTED_S: f64 = 8.0;
 /// So far from what the others say it is contradicted, K.
 const CONTRADICTED_K: f64 = 1.0;
