@@ -7,6 +7,8 @@ pub const PAIR_NOISE_K: f64 = 0.113;
 
 /// Farther apart than this the aircraft itself moves from reading to reading, s.
 const APART_S: f64 = 0.045;
+/// A jump so many times the noise known is no noise.
+const LARGEST: f64 = 4.0;
 
 /// One sensor's last two readings, K, with the time of the last: noise shows in second differences, as what changes
 /// evenly leaves none.
@@ -17,17 +19,21 @@ pub struct Jumps {
 
 impl Jumps {
     /// Takes in a reading; with the two before it, how long after the last it came, s, and the variance that the three
-    /// show, K². None where they are too far apart, and for a reading that is not new.
-    pub fn update(&mut self, reading_k: f64, time: Time) -> Option<(f64, f64)> {
-        let (one, two, at) = self.last.unwrap_or((reading_k, None, time));
+    /// show, K²: a jump far beyond the variance that is `known` is no noise, and cut off. None where they are too far
+    /// apart, and for a reading that is not new.
+    pub fn update(&mut self, reading_k: f64, time: Time, known_k2: f64) -> Option<(f64, f64)> {
+        let Some((one, two, at)) = self.last.filter(|(.., at)| time.since(*at) <= APART_S) else {
+            self.last = Some((reading_k, None, time));
+            return None;
+        };
         let since_s = time.since(at);
-        if self.last.is_some() && since_s <= 0.0 {
+        if since_s <= 0.0 {
             return None;
         }
-        let near = self.last.is_some() && since_s <= APART_S;
-        self.last = Some((reading_k, near.then_some(one), time));
+        self.last = Some((reading_k, Some(one), time));
         // White noise: the variance of x − 2y + z is six times that of each.
-        two.filter(|_| near).map(|two| (since_s, (reading_k - 2.0 * one + two).powi(2) / 6.0))
+        let seen = (reading_k - 2.0 * one + two?).powi(2) / 6.0;
+        Some((since_s, seen.min(LARGEST * LARGEST * known_k2.max(1e-6))))
     }
 }
 
@@ -40,7 +46,7 @@ mod tests {
         let (mut even, mut alternating) = (Jumps::default(), Jumps::default());
         for i in 0..100 {
             let time = Time::from_secs_f64(5.0 + 0.02 * f64::from(i));
-            let (a, b) = (even.update(0.3 * f64::from(i), time), alternating.update(f64::from(i % 2), time));
+            let (a, b) = (even.update(0.3 * f64::from(i), time, 1.0), alternating.update(f64::from(i % 2), time, 1.0));
             assert_eq!((a.is_some(), b.is_some()), (i > 1, i > 1));
             if let (Some((dt_s, none)), Some((_, much))) = (a, b) {
                 assert!((dt_s - 0.02).abs() < 1e-9 && none < 1e-20 && (much - 4.0 / 6.0).abs() < 1e-9);
@@ -49,10 +55,17 @@ mod tests {
     }
 
     #[test]
+    fn a_jump_far_beyond_the_noise_known_is_cut_off() {
+        let mut jumps = Jumps::default();
+        let seen = [(5.0, 0.0), (5.02, 0.0), (5.04, 90.0)].map(|(s, k)| jumps.update(k, Time::from_secs_f64(s), 0.01));
+        assert!(seen[2].is_some_and(|(_, k2)| (k2 - 0.16).abs() < 1e-9), "{seen:?}");
+    }
+
+    #[test]
     fn what_is_not_new_or_comes_too_late_tells_nothing() {
         let mut jumps = Jumps::default();
         let told: Vec<bool> = [1.0, 1.02, 1.04, 1.04, 1.0, 1.06, 1.2, 1.22, 1.24]
-            .map(|s| jumps.update(s * s, Time::from_secs_f64(s)).is_some())
+            .map(|s| jumps.update(s * s, Time::from_secs_f64(s), 1.0).is_some())
             .into();
         assert_eq!(told, [false, false, true, false, false, true, false, false, true]);
     }

@@ -6,8 +6,6 @@ use crate::head::{Head, Sensor};
 
 /// Over this time noise is averaged, s.
 const WINDOW_S: f64 = 10.0;
-/// A jump so many times the noise known is no noise.
-const LARGEST: f64 = 4.0;
 /// Of so many sensors the first are asked.
 const MOST: usize = 16;
 /// Noise at the beginning, K.
@@ -30,9 +28,9 @@ impl NoiseMeter {
     pub fn update(&mut self, head: &Head, frame: &Frame) {
         for (i, (jumps, square)) in self.sensors.iter_mut().enumerate() {
             let Some((reading, time)) = head.reading_k(i, frame) else { continue };
-            if let Some((dt_s, seen)) = jumps.update(reading, time) {
+            if let Some((dt_s, seen)) = jumps.update(reading, time, *square) {
                 let share = -(-dt_s / WINDOW_S).exp_m1();
-                *square += share * (seen.min(LARGEST * LARGEST * square.max(1e-6)) - *square);
+                *square += share * (seen - *square);
             }
         }
     }

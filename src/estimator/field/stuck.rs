@@ -14,8 +14,6 @@ const LONGEST: f64 = 3.0;
 const NOISY: f64 = 1.5;
 /// Over this time noise is averaged, and it is known after so much of it, s.
 const NOISE_S: (f64, f64) = (10.0, 5.0);
-/// A jump so many times the noise known is no noise.
-const LARGEST: f64 = 4.0;
 
 /// So many sensors that repeat themselves at once are at rest, not stuck.
 const AT_REST: usize = 3;
@@ -48,9 +46,8 @@ impl Noise {
         if let Some(step) = before.map(|b| (reading - b).abs()).filter(|s| *s > 0.0) {
             self.step = Some(self.step.map_or(step, |s| s.min(step)));
         }
-        if let Some((dt_s, seen)) = self.jumps.update(reading, time) {
+        if let Some((dt_s, seen)) = self.jumps.update(reading, time, self.variance) {
             self.learnt_s = (self.learnt_s + dt_s).min(NOISE_S.0);
-            let seen = seen.min(LARGEST * LARGEST * self.variance.max(1e-6));
             self.variance += dt_s / self.learnt_s * (seen - self.variance);
         }
     }
