@@ -16,9 +16,13 @@ const SPAN_S: std::ops::Range<f64> = 0.8..2.5;
 /// A measurement farther from its prediction than this many standard deviations is none.
 const GATE: f64 = 4.0;
 
+/// After so long without them they tell nothing any more, s.
+const SILENT_S: f64 = 10.0;
+
 /// The last that was heard of each.
 #[derive(Clone, Debug, Default)]
 pub struct Aid {
+    heard: Option<Time>,
     airspeed: Held,
     ground_speed: Held,
     course: Held,
@@ -27,6 +31,11 @@ pub struct Aid {
 }
 
 impl Aid {
+    /// Whether they have lately told of the attitude.
+    pub fn tells(&self, now: Time) -> bool {
+        self.heard.is_some_and(|at| (0.0..SILENT_S).contains(&now.since(at)))
+    }
+
     /// Takes in what came with a frame `dt_s` after the last; `gyro` are the body rates in use.
     pub fn update(
         &mut self,
@@ -40,6 +49,7 @@ impl Aid {
         keep(&mut self.ground_speed, speed(aiding.ground_speed_m_s), now);
         let ground_speed = flying(self.ground_speed, now);
         let Some(speed) = flying(self.airspeed, now).or(ground_speed) else { return };
+        self.heard = Some(now);
         let course = aiding.course_deg.filter(|c| c.abs() <= 360.0).map(f64::to_radians);
         let turning = course.zip(ground_speed).and_then(|(course, _)| {
             self.heading(course, state, t, now);

@@ -77,7 +77,7 @@ impl FieldEstimator {
             s.set_variance(i, if gyro { t.lean.0.powi(2) } else { 0.0 });
         }
         s.lean2 = t.lean.0.powi(2);
-        self.leant = false;
+        (self.leant, self.told) = (false, false);
         self.turned = 0.0;
         s.x[LAG] = 0.0;
         s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });

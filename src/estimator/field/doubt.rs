@@ -2,6 +2,7 @@
 
 use super::state::{DEPTH, LEAN, RADIANCE, RATE, TURN};
 use super::{FieldEstimator, lean};
+use crate::time::Time;
 
 /// What no sky alike all around explains, from nothing to certain: below the first there is none (again),
 /// beyond the second there is.
@@ -13,11 +14,20 @@ const LOOKED_AROUND: f64 = 3.5;
 /// What is found after these must last so long, s: it is new, and may be what one sensor does, or a wall, until the
 /// witnesses know. What is found before was there.
 const LASTS_S: f64 = 3.0;
+/// What has been told of the lean holds while it is known so well, rad (2.2°: less than what is not told of at all).
+const KNOWN: f64 = 0.038;
+/// How long it is remembered afterwards, s.
+const REMEMBERED_S: f64 = 300.0;
 
 impl FieldEstimator {
     /// What was learnt while the scene was thought to be alike all around is in doubt once it is not: the sky's shape at
     /// once, the attitude and how the horizon leans when that has lasted.
-    pub(super) fn doubt(&mut self, dt_s: f64) {
+    pub(super) fn doubt(&mut self, now: Time, dt_s: f64) {
+        let known = self.state.p[LEAN][LEAN].max(self.state.p[LEAN + 1][LEAN + 1]) < KNOWN * KNOWN;
+        self.told = self.gyro.in_use() && (self.aid.tells(now) || self.told && known);
+        if !self.told {
+            self.forget_lean(dt_s);
+        }
         // What one sensor does is no scene.
         if self.witnesses.undecided() {
             self.found_s = 0.0;
@@ -31,14 +41,25 @@ impl FieldEstimator {
             self.unlike = true;
             self.doubt_sky();
         }
-        let even = self.gyro.in_use() && !self.leant;
-        let found = unlike > UNLIKE.1 && !self.tilted || even && self.leans();
+        let even = self.told && !self.leant;
+        let found = unlike > UNLIKE.1 && (even || !self.tilted) || even && self.leans();
         self.found_s = if found { self.found_s + dt_s } else { 0.0 };
         if self.found_s > LASTS_S * (self.turned / LOOKED_AROUND).min(1.0) {
             self.found_s = 0.0;
             self.tilted |= unlike > UNLIKE.1;
             self.doubt_attitude(even);
         }
+    }
+
+    /// Where nothing tells of the attitude but the thermopiles it is they that are to be believed: a horizon that might
+    /// lean anyhow would leave it to the gyro alone, which drifts.
+    fn forget_lean(&mut self, dt_s: f64) {
+        if self.leant {
+            self.leant = false;
+            lean::settle(&mut self.state, self.tuning.lean.0);
+        }
+        let keep = (-dt_s / REMEMBERED_S).exp();
+        self.state.x[LEAN..LEAN + 2].iter_mut().for_each(|lean| *lean *= keep);
     }
 
     /// Whether the horizon leans farther than expected.

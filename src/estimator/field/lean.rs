@@ -41,6 +41,16 @@ pub fn expect(state: &mut State, large: f64) {
     state.lean2 = large * large;
 }
 
+/// Takes the leans for known to a standard deviation of `small` (rad), as they are.
+pub fn settle(state: &mut State, small: f64) {
+    let n = state.size();
+    for i in LEAN..LEAN + 2 {
+        let ph: [f64; MAX] = state.p[i];
+        gain(&mut state.x, &mut state.p, n, &ph, ph[i] + small * small, 0.0);
+    }
+    state.lean2 = small * small;
+}
+
 /// A horizon that leans by `lean` (rad) may have been taken for an attitude, and that for an offset of the slow
 /// references: doubt along the line on which nothing shows.
 pub fn hide(s: &mut State, lean: f64) {

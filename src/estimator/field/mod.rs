@@ -104,6 +104,8 @@ pub struct FieldEstimator {
     tilted: bool,
     /// The horizon has been found to lean farther than expected.
     leant: bool,
+    /// How it leans is known from slow references, heard lately or not long ago.
+    told: bool,
     /// For how long one of these is being found, s.
     found_s: f64,
     /// For how long what is seen has been against all that is known, s.
@@ -146,6 +148,7 @@ impl FieldEstimator {
             unlike: false,
             tilted: false,
             leant: false,
+            told: false,
             found_s: 0.0,
             lost_s: 0.0,
             glitch_s: 0.0,
@@ -166,9 +169,9 @@ impl FieldEstimator {
     fn solution(&self) -> Solution {
         let (mut attitude, own) = attitude(&self.state);
         let contrast_k = self.state.x[CONTRAST];
-        // A warm side looks like an attitude, most of all without a gyro; that there is one shows elsewhere.
+        // A warm side looks like an attitude where nothing else tells of that; that there is one shows elsewhere.
         let t = &self.tuning;
-        let (least_k, most_k) = if self.gyro.in_use() {
+        let (least_k, most_k) = if self.told {
             let side_k = self.scene.unlike() * t.unlike_side_k.1;
             (side_k, side_k.max(self.scene.unlike() * t.hidden.1 * self.scene.seen_k()))
         } else {
@@ -272,7 +275,7 @@ impl Estimator for FieldEstimator {
                 gyro: [0, 1, 1].map(|i: usize| self.gyro_errors[i].factor()),
                 contrast: self.contrast.factor(),
                 scene_k2: self.scene.variance(),
-                unlike: self.scene.unlike(),
+                leaning: if self.told { self.scene.unlike() } else { 0.0 },
                 long_unlike: self.scene.long_unlike(),
             };
             predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
@@ -280,7 +283,7 @@ impl Estimator for FieldEstimator {
             self.consult(&mut readings, &pace, dt_s);
             self.leave_out(&mut readings, dt_s);
             self.learn(&readings, dt_s);
-            self.doubt(dt_s);
+            self.doubt(now, dt_s);
         }
         self.correct(&readings, dt_s);
         self.look(frame, now);

@@ -20,9 +20,9 @@ pub struct Pace {
     pub contrast: f64,
     /// The variance of the sensors' own scenes, K².
     pub scene_k2: f64,
-    /// How surely the scene is not alike all around, 0..1.
-    pub unlike: f64,
-    /// How surely it has not been for long, 0..1.
+    /// How surely the horizon leans otherwise from place to place, as far as slow references tell, 0..1.
+    pub leaning: f64,
+    /// How surely the scene has not been alike all around for long, 0..1.
     pub long_unlike: f64,
 }
 
@@ -134,7 +134,7 @@ fn add_noise(
         add(OFFSET + i, t.offset.1.powi(2) * dt_s);
     }
     if turns.is_some() {
-        let walk = t.lean.1 + pace.unlike * t.unlike_lean_walk + t.lean_share * found;
+        let walk = t.lean.1 + pace.leaning * t.unlike_lean_walk + t.lean_share * found;
         (LEAN..LEAN + 2).for_each(|i| add(i, walk * walk * dt_s));
         state.lean2 += walk * walk * dt_s;
     }

@@ -163,6 +163,33 @@ fn what_is_calm_between_clouds_may_bank_all_the_same() {
     assert!(least < 2.0, "{least}° too little");
 }
 
+/// Nothing told how the horizon leans, the filter expected it to lean by degrees, and left the attitude to a gyro that
+/// drifts: worse than without one, by half as much again.
+#[test]
+fn a_gyro_without_slow_references_makes_nothing_worse() {
+    let of = |gyro: bool| {
+        let scenario = Scenario::named("scattered").unwrap();
+        let mut source = scenario.source(33);
+        let mut e = FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default());
+        let mut frame = Frame::new(6);
+        let (mut squared, mut covered) = (0.0, 0);
+        for i in 0..15_000 {
+            let now = Time::from_secs_f64(100.0 + f64::from(i) * 0.02);
+            source.scan(now, &mut frame);
+            let gyro_deg_s = if gyro { frame.aiding.gyro_deg_s } else { [None; 3] };
+            frame.aiding = Aiding { gyro_deg_s, ..Aiding::default() };
+            let (given, truth) = (e.update(&frame), source.truth_at(now));
+            let off = given.attitude.unwrap().roll - truth.roll;
+            squared += off * off / 15_000.0;
+            covered += u32::from(off.abs() <= 2.0 * given.sigma.roll);
+        }
+        (squared.sqrt().to_degrees(), covered)
+    };
+    let (with, without) = (of(true), of(false));
+    println!("{with:?} {without:?}");
+    assert!(with.0 < 1.05 * without.0 && with.1 > 13_800, "{with:?} {without:?}");
+}
+
 /// Clouds that were there for long are others once the aircraft has turned; what has just come may be a wall.
 #[test]
 fn clouds_that_have_been_there_for_long_are_forgotten_sooner_in_a_turn() {
@@ -186,8 +213,7 @@ fn clouds_that_have_been_there_for_long_are_forgotten_sooner_in_a_turn() {
         let (mut e, _) = flown();
         let own = e.state.scene(2);
         e.state.x[own] = 1.0;
-        let pace =
-            Pace { rate: [1.0; 3], gyro: [1.0; 3], contrast: 1.0, scene_k2: 0.01, unlike: long_unlike, long_unlike };
+        let pace = Pace { rate: [1.0; 3], gyro: [1.0; 3], contrast: 1.0, scene_k2: 0.01, leaning: 0.0, long_unlike };
         e.state.x[RATE] = 1.0;
         predict(&mut e.state, &e.model, &e.tuning, 0.5, None, &pace);
         e.state.x[own]
