@@ -1,7 +1,11 @@
 //! The one shared state: written by the sampling loop, read by every publisher.
 //!
-//! Whoever has nothing else to wait for waits for [`Shared::wait_beyond`]; whoever waits for file descriptors as well
-//! has a [`Bell`] among them.
+//! Whoever waits for every frame has a [`Bell`] among its file descriptors; whoever looks now and then waits for the
+//! [`Alarm`] meanwhile.
+
+mod alarm;
+
+pub use alarm::Alarm;
 
 use crate::aiding::Autopilot;
 use crate::attitude::{Attitude, Estimate, Mode};
@@ -11,11 +15,15 @@ use crate::time::Time;
 use rustix::event::{EventfdFlags, eventfd};
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::thread;
+use std::time::{Duration, Instant};
 
 /// As many frames before the newest are remembered: a publisher that is late by fewer leaves none out.
 pub const BEFORE: usize = 4;
+
+/// Between two looks of [`Shared::wait_beyond`].
+const LOOK: Duration = Duration::from_millis(5);
 
 /// The attitude of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -76,7 +84,8 @@ impl Snapshot {
 #[derive(Debug, Default)]
 pub struct Shared {
     snapshot: Mutex<Snapshot>,
-    changed: Condvar,
+    /// Rings at what must not wait.
+    pub alarm: Alarm,
     bells: Mutex<Vec<Weak<OwnedFd>>>,
 }
 
@@ -113,8 +122,8 @@ impl Shared {
                 snapshot.before.rotate_right(1);
                 snapshot.before[0] = last;
             }
+            self.alarm.hear(&snapshot);
         }
-        self.changed.notify_all();
         self.bells.lock().unwrap_or_else(PoisonError::into_inner).retain(|bell| {
             let bell = bell.upgrade();
             if let Some(bell) = &bell {
@@ -132,13 +141,17 @@ impl Shared {
         Ok(Bell(bell))
     }
 
-    /// Waits until a frame later than `seen` is there, the daemon stops, or `timeout` is over;
-    /// gives the state then.
+    /// Waits until a frame later than `seen` is there, the daemon stops, or `timeout` is over; gives the state then.
+    /// For now and then: nobody rings here, it looks again and again.
     pub fn wait_beyond(&self, seen: u64, timeout: Duration) -> MutexGuard<'_, Snapshot> {
-        let guard = self.lock();
-        self.changed
-            .wait_timeout_while(guard, timeout, |s| s.sequence <= seen && !s.stopping)
-            .unwrap_or_else(PoisonError::into_inner)
-            .0
+        let end = Instant::now() + timeout;
+        loop {
+            let snapshot = self.lock();
+            if snapshot.sequence > seen || snapshot.stopping || Instant::now() >= end {
+                return snapshot;
+            }
+            drop(snapshot);
+            thread::sleep(LOOK);
+        }
     }
 }

@@ -57,6 +57,7 @@ impl Sampling {
         // A sensor is lost or saturated, a bus is down, and what there is but once.
         let kinds = 2 * head.sensors.len() + head.buses.len() + 4;
         shared.lock().estimate.faults.reserve(kinds);
+        shared.alarm.reserve(kinds);
         Self {
             frame: Frame::new(head.sensors.len()),
             alignment: Alignment::new(head.sensors.len(), kinds),

@@ -15,6 +15,7 @@ use crate::clock;
 use crate::config::settings::BusAddress;
 use crate::recording::Taps;
 use crate::state::Shared;
+use crate::time::Time;
 use std::future::{Future, poll_fn};
 use std::pin::pin;
 use std::sync::mpsc::SyncSender;
@@ -25,9 +26,15 @@ use zbus::Connection;
 use zbus::fdo::{ObjectManager, RequestNameFlags};
 use zruntime::SharedRuntime;
 
-/// Between two looks at the shared state at most: so late a change of mode or faults may be signalled, and so old what
-/// a client reads.
-const LOOK: Duration = Duration::from_millis(50);
+/// Between two looks at the shared state at most: so old what a client reads may be. A change of the mode or the faults
+/// is seen at once.
+const LOOK: Duration = Duration::from_millis(100);
+/// Between two looks at least: so late a change of the mode that follows another may be seen.
+const PAUSE: Duration = Duration::from_millis(10);
+/// So long after a frame was written the others have done with it, and nobody has to be woken for a look alone.
+const SETTLED: Duration = Duration::from_millis(2);
+/// How long an orderly end may take.
+const END: Duration = Duration::from_millis(100);
 /// The pause before the first new attempt to connect; doubled after each failure.
 const BACKOFF_FIRST: Duration = Duration::from_millis(200);
 /// The longest pause: after any absence of the bus the service is back on it within 2 s, all told.
@@ -56,7 +63,7 @@ pub fn run(service: &Service, first: SyncSender<Result<(), DbusError>>) {
     zbus::block_on(async {
         match SharedRuntime::current() {
             Ok(runtime) => {
-                let serving = Serving { service, runtime, start: Instant::now() };
+                let serving = Serving { service, runtime };
                 race(serving.serve(first), serving.stopped()).await;
             }
             Err(e) => {
@@ -79,17 +86,9 @@ async fn race(a: impl Future<Output = ()>, b: impl Future<Output = ()>) {
 struct Serving<'a> {
     service: &'a Service,
     runtime: SharedRuntime,
-    start: Instant,
 }
 
 impl Serving<'_> {
-    /// Sleeps until `every` has come round: for all at the same instants, so that the thread wakes once.
-    async fn pass(&self, every: Duration) {
-        let since = self.start.elapsed().as_nanos() % every.as_nanos().max(1);
-        let since = u64::try_from(since).map_or(Duration::ZERO, Duration::from_nanos);
-        self.runtime.sleep(every.saturating_sub(since)).await;
-    }
-
     fn stopping(&self) -> bool {
         self.service.shared.lock().stopping
     }
@@ -97,12 +96,11 @@ impl Serving<'_> {
     /// Ends a little after the daemon began to stop, in case the bus holds up an orderly end.
     async fn stopped(&self) {
         loop {
-            let stopping = self.stopping();
-            self.pass(LOOK).await;
-            self.pass(LOOK).await;
-            if stopping {
-                return;
+            let rung = self.service.shared.alarm.rung();
+            if self.stopping() {
+                return self.runtime.sleep(END).await;
             }
+            self.service.shared.alarm.beyond(rung).await;
         }
     }
 
@@ -193,12 +191,16 @@ impl Serving<'_> {
     async fn publish(&self, connection: &Connection, live: &SharedLive, mut generation: u64) {
         let horizon = Horizon { live: live.clone(), control: self.service.control.clone() };
         let mut sent = Signalled::default();
+        let shared = &self.service.shared;
         while !connection.is_closed() {
-            let (stopping, newest, every) = {
-                let newest = self.service.shared.lock();
+            // Read before the state: what changes from here on rings once more.
+            let rung = shared.alarm.rung();
+            let (now, pause) = (clock::now(), Instant::now() + PAUSE);
+            let (stopping, newest, written, every) = {
+                let newest = shared.lock();
                 let mut live = lock(live);
-                live.look(&newest, clock::now());
-                (newest.stopping, newest.generation, live.info.update.min(LOOK))
+                live.look(&newest, now);
+                (newest.stopping, newest.generation, newest.written, live.info.update.min(LOOK))
             };
             if stopping {
                 return;
@@ -214,7 +216,8 @@ impl Serving<'_> {
                 log::debug!("D-Bus: {e}");
                 return;
             }
-            self.pass(every).await;
+            race(self.runtime.sleep(until(now, written, every)), shared.alarm.beyond(rung)).await;
+            self.runtime.sleep_until(pause).await;
         }
     }
 
@@ -233,6 +236,13 @@ impl Serving<'_> {
         }
         Ok(())
     }
+}
+
+/// The time until the next look, at `now`: they come `every` so often, each a little after a frame like the one that was
+/// `written` then.
+fn until(now: Time, written: Time, every: Duration) -> Duration {
+    let every = every.as_secs_f64();
+    Duration::from_secs_f64(every - now.since(written + SETTLED).rem_euclid(every))
 }
 
 /// The sensors' objects and where they are.
