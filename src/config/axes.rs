@@ -1,6 +1,6 @@
 //! Whether the sensors, and the pairs that they make, are what the method of estimation needs.
 
-use super::section::Findings;
+use super::findings::Findings;
 use super::sensor::Sensors;
 use super::settings::{Method, Settings};
 use super::source::Place;

@@ -1,6 +1,6 @@
 //! Checks across sensors: places, chips, GPIO lines; warnings.
 
-use super::section::Findings;
+use super::findings::Findings;
 use super::sensor::{Read, Sensors};
 use super::settings::{DeviceSettings, LineSettings, Method, Settings};
 use super::source::Place;

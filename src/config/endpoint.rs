@@ -1,6 +1,7 @@
 //! `[[mavlink.endpoint]]`.
 
-use super::section::{Findings, Section};
+use super::findings::Findings;
+use super::section::Section;
 use super::settings::{EndpointAddress, EndpointSettings, Streams};
 use super::source::Place;
 use std::net::SocketAddr;

@@ -4,7 +4,7 @@
 //! - `raw`: a file's TOML with the place of every key and value.
 //! - `merge`: drop-ins laid upon the file.
 //! - `section`, `validate`, `sensor`, `endpoint`, `check`, `axes`: the settings out of the tables, every
-//!   mistake noted; `nearest`: what was probably meant.
+//!   mistake noted in `findings`; `nearest`: what was probably meant.
 //! - `error`: mistakes as the user reads them.
 //! - `method`: the methods of estimation, and which suits a head.
 //! - [`settings`]: what comes out at the end, every value in range; `default`: what holds unsaid.
@@ -17,6 +17,7 @@ mod default;
 mod endpoint;
 mod error;
 mod file;
+mod findings;
 mod merge;
 mod method;
 mod nearest;
@@ -94,7 +95,7 @@ fn build(sources: &[Source], needs_sensors: bool) -> Result<Loaded, ConfigErrors
     }
     error::check(found, sources)?;
 
-    let findings = section::Findings::new(sources);
+    let findings = findings::Findings::new(sources);
     let (settings, sensors) = validate::validate(&root, &findings);
     if needs_sensors && sensors.complete && sensors.good.is_empty() && settings.simulation.is_none() {
         findings.add(

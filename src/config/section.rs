@@ -1,76 +1,10 @@
 //! Reads typed values out of a table and notes everything that is wrong with it.
 
+use super::findings::{Findings, Unknown};
 use super::nearest::nearest;
 use super::raw::{Node, Table, Value};
-use super::source::{Place, Source, quoted};
-use std::cell::RefCell;
+use super::source::{Place, quoted};
 use std::path::PathBuf;
-
-/// What has been found wrong so far, and which keys exist where.
-pub struct Findings<'a> {
-    sources: &'a [Source],
-    found: RefCell<Vec<(Place, String)>>,
-    unknown: RefCell<Vec<Unknown>>,
-    homes: RefCell<Vec<(String, &'static str)>>,
-}
-
-/// A key that nobody asked for.
-struct Unknown {
-    place: Place,
-    prefix: String,
-    key: String,
-    what: &'static str,
-    known: Vec<&'static str>,
-}
-
-impl<'a> Findings<'a> {
-    /// Nothing yet.
-    pub fn new(sources: &'a [Source]) -> Self {
-        Self { sources, found: RefCell::default(), unknown: RefCell::default(), homes: RefCell::default() }
-    }
-
-    /// Notes that something is wrong at `place`.
-    pub fn add(&self, place: Place, message: impl Into<String>) {
-        self.found.borrow_mut().push((place, message.into()));
-    }
-
-    /// How much is wrong.
-    pub fn count(&self) -> usize {
-        self.found.borrow().len()
-    }
-
-    /// Everything that was found, the unknown keys with where they belong.
-    pub fn finish(self) -> Vec<(Place, String)> {
-        let mut found = self.found.into_inner();
-        let homes = self.homes.into_inner();
-        for Unknown { place, prefix, key, what, known } in self.unknown.into_inner() {
-            let mut belongs: Vec<&str> =
-                homes.iter().filter(|(h, k)| *k == key && !h.is_empty()).map(|(h, _)| h.as_str()).collect();
-            belongs.sort_unstable();
-            belongs.dedup();
-            let spelled = |k: &str| match (what, k) {
-                ("section", "sensor") => "[[sensor]]".to_owned(),
-                ("section", k) => format!("[{k}]"),
-                (_, k) => k.to_owned(),
-            };
-            let advice = match nearest(&key, known.iter().copied()) {
-                _ if !belongs.is_empty() => format!("it belongs in {}", belongs.join(" or ")),
-                Some(near) => format!("did you mean {}?", spelled(near)),
-                None => format!("there are {}", known.iter().map(|k| spelled(k)).collect::<Vec<_>>().join(", ")),
-            };
-            let key = spelled(&quoted(&key));
-            found.push((place, format!("{prefix}{key} is not a known {what}; {advice}")));
-        }
-        found
-    }
-
-    /// `line 7`, with the file's name when it is not the one `seen_from` is in.
-    pub fn line(&self, place: Place, seen_from: Place) -> String {
-        let Some(source) = self.sources.get(place.file) else { return "elsewhere".into() };
-        let line = source.line(place.start);
-        if place.file == seen_from.file { format!("line {line}") } else { format!("{}:{line}", source.name.display()) }
-    }
-}
 
 /// A table that is being read. Every key must be asked for; [`Section::finish`] reports the others.
 ///
@@ -124,7 +58,7 @@ impl<'a> Section<'a> {
             self.findings.add(self.place, format!("{}{key} {problem}", self.prefix));
             return;
         };
-        let written = match (&node.value, self.findings.sources.get(node.place.file)) {
+        let written = match (&node.value, self.findings.source(node.place)) {
             (Value::Table(_) | Value::Array(_), _) | (_, None) => String::new(),
             (_, Some(source)) => format!(" = {}", quoted(source.at(node.place))),
         };
@@ -325,11 +259,11 @@ impl<'a> Section<'a> {
 
     /// Reports every key that was not asked for.
     pub fn finish(self) {
-        self.findings.homes.borrow_mut().extend(self.asked.iter().map(|k| (self.home.clone(), *k)));
+        self.findings.belong(&self.home, &self.asked);
         let Some(table) = self.table else { return };
         for (key, entry) in table.iter().filter(|(k, _)| !self.asked.contains(&k.as_str())) {
             let is_section = self.home.is_empty() && matches!(entry.node.value, Value::Table(_) | Value::Array(_));
-            self.findings.unknown.borrow_mut().push(Unknown {
+            self.findings.add_unknown(Unknown {
                 place: entry.key,
                 what: if is_section { "section" } else { "key" },
                 prefix: self.prefix.clone(),

@@ -1,8 +1,9 @@
 //! `[[sensor]]`.
 
 use super::endpoint::ordinal;
+use super::findings::Findings;
 use super::raw::{Table, Value};
-use super::section::{Findings, Section};
+use super::section::Section;
 use super::settings::{AdcInput, Ads1115Settings, DeviceSettings, Mlx90614Settings, PecPolicy, SensorSettings};
 use super::source::Place;
 use super::validate::line;

@@ -1,9 +1,10 @@
 //! From the merged tables to [`Settings`]: every section but the sensors.
 
 use super::endpoint;
+use super::findings::Findings;
 use super::nearest::nearest;
 use super::raw::Table;
-use super::section::{Findings, Section};
+use super::section::Section;
 use super::sensor::{self, Sensors};
 use super::settings::{
     BusAddress, DbusSettings, EstimatorSettings, FaultSettings, FlightName, HeadSettings, LineSettings,

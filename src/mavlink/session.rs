@@ -6,14 +6,14 @@
 //! is silence, and every ground station shows the component as lost.
 
 mod rates;
+mod seen;
 
 pub use rates::IntervalError;
+pub use seen::Seen;
 
 use super::messages::{self, Message};
-use crate::attitude::Attitude;
 use crate::config::settings::Streams;
-use crate::fault::{ActiveFault, Evidence, FaultKind, FaultName};
-use crate::state::{Moment, Snapshot};
+use crate::fault::{Evidence, FaultKind, FaultName};
 use crate::time::Time;
 use ::mavlink::MessageData;
 use ::mavlink::dialects::common::{
@@ -31,32 +31,6 @@ const SILENT_AFTER_S: f64 = 3.0;
 /// STATUSTEXT messages in a second at most. Faults that come and go faster are told less often,
 /// and the last word is always the true one.
 const TEXTS_PER_S: u32 = 8;
-
-/// What is told, copied out of the shared state: a few words and the list of faults.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Seen {
-    /// The attitude, and of which frame.
-    pub moment: Moment,
-    /// The contrast, K.
-    pub contrast_k: Option<f64>,
-    /// What speaks against it.
-    pub faults: Vec<ActiveFault>,
-    /// What was learnt of the trim beyond the configured one, rad.
-    pub trim: Attitude,
-    /// The yaw that goes out beside the attitude, rad, from another source: not of the snapshot, the caller's to set.
-    pub yaw: Option<f32>,
-}
-
-impl Seen {
-    /// Takes in a snapshot; allocates only when there are more faults than ever before.
-    pub fn copy(&mut self, snapshot: &Snapshot) {
-        let estimate = &snapshot.estimate;
-        self.moment = snapshot.moment();
-        self.contrast_k = estimate.contrast_k;
-        self.trim = estimate.trim;
-        self.faults.clone_from(&estimate.faults);
-    }
-}
 
 /// One form of the attitude, if there is any.
 type Form = fn(&Seen) -> Option<Message>;

@@ -1,7 +1,9 @@
 use super::*;
-use crate::attitude::Mode;
+use crate::attitude::{Attitude, Mode};
+use crate::fault::ActiveFault;
 use crate::frame::Missing;
 use crate::head::Head;
+use crate::state::{Moment, Snapshot};
 use ::mavlink::dialects::common::MavSeverity;
 use proptest::prelude::*;
 
