@@ -1,7 +1,8 @@
 //! The daemon as a process, and an autopilot at the far end of a slow link that loses messages.
 //!
 //! The flight is the simulated source's own, which has no heading, so GPS and airspeed would tell of another one: the
-//! autopilot sends its rates alone. What is measured goes by stamps, not by when a busy machine gets round to it.
+//! autopilot sends its rates alone. What is measured goes by stamps, not by when a busy machine gets round to it; where
+//! the machine stood still rates were later than the autopilot meant them to be, and nothing is measured.
 
 #[path = "dbus_bus/mod.rs"]
 mod dbus_bus;
@@ -22,6 +23,7 @@ use irhorizon::simulation::{Flight, SimulatedSource};
 use irhorizon::sky::FieldOfView;
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
+use process::stalls::Watch;
 use process::{CTL, Daemon, Folder};
 use rustix::process::Signal;
 use std::fs::File;
@@ -41,6 +43,8 @@ const MOST: f64 = 1.3;
 /// And as far as stamps may be off, s: half a millisecond the autopilot's, which count milliseconds, half a millisecond
 /// the daemon's, and a millisecond the answers to TIMESYNC on a machine that has other things to do.
 const STAMPS_S: f64 = 0.002;
+/// How long after the machine stood still there are older rates than there would have been, s.
+const SHAKEN_S: f64 = 0.1;
 /// Roll and pitch, °.
 type Degrees = [f64; 2];
 
@@ -52,29 +56,55 @@ fn error(said: Attitude, truth: Attitude) -> Degrees {
     [said.roll - truth.roll, said.pitch - truth.pitch].map(f64::to_degrees)
 }
 
+/// When the machine stood still, in seconds of the flight.
+struct Stalls {
+    origin: Time,
+    spans: Vec<(f64, f64)>,
+}
+
+impl Stalls {
+    /// Those that `watch` saw, which was started at `begun`.
+    fn new(origin: Time, begun: Time, watch: Watch) -> Self {
+        let of_flight = |d: Duration| (begun + d).since(origin);
+        Self { origin, spans: watch.stalls().iter().map(|(from, to)| (of_flight(*from), of_flight(*to))).collect() }
+    }
+
+    /// Whether `time` is one to be measured.
+    fn spare(&self, time: Time) -> bool {
+        let time_s = time.since(self.origin);
+        (FROM_S..TO_S).contains(&time_s)
+            && !self.spans.iter().any(|(from, to)| (*from..to + SHAKEN_S).contains(&time_s))
+    }
+
+    /// How long it stood still within a time of the flight, s.
+    fn within(&self, from_s: f64, to_s: f64) -> f64 {
+        self.spans.iter().map(|(from, to)| (to.min(to_s) - from.max(from_s)).max(0.0)).sum()
+    }
+}
+
 /// The errors in the time that is measured, of `frames` that are estimated again.
-fn again(origin: Time, lag_s: f64, mut frames: impl FnMut(&mut Frame) -> bool) -> Vec<Degrees> {
+fn again(stalls: &Stalls, lag_s: f64, mut frames: impl FnMut(&mut Frame) -> bool) -> Vec<Degrees> {
     let mut horizon = Horizon::new(&Settings::default(), Head::six());
     horizon.set_lag_s(lag_s);
     let flight = Flight::demo(SEED);
     let (mut frame, mut estimate, mut errors) = (Frame::new(6), Estimate::default(), Vec::new());
     while frames(&mut frame) {
         horizon.update(&frame, &[], &mut estimate);
-        let time_s = frame.time.since(origin);
-        if (FROM_S..TO_S).contains(&time_s) {
-            errors.push(error(estimate.attitude.unwrap(), flight.attitude(time_s)));
+        if stalls.spare(frame.time) {
+            errors.push(error(estimate.attitude.unwrap(), flight.attitude(frame.time.since(stalls.origin))));
         }
     }
     errors
 }
 
 /// The same for a flight recorded from the scan at `first` on, with exact rates in it or with none.
-fn recorded(origin: Time, first: Time, with_rates: bool) -> Vec<Degrees> {
+fn recorded(stalls: &Stalls, first: Time, with_rates: bool) -> Vec<Degrees> {
+    let origin = stalls.origin;
     let simulation = SimulationSettings { seed: SEED, ..SimulationSettings::default() };
     let field = FieldOfView::Gaussian { fwhm_deg: Settings::default().head.field_of_view_deg };
     let mut source = SimulatedSource::new(&simulation, &Head::six(), field).with_origin(origin);
     let (flight, mut tick) = (Flight::demo(SEED), first);
-    again(origin, simulation.lag_s, |frame| {
+    again(stalls, simulation.lag_s, |frame| {
         source.scan(tick, frame);
         if with_rates {
             frame.aiding.gyro_deg_s = body_rates(&flight, tick.since(origin)).map(Some);
@@ -85,10 +115,10 @@ fn recorded(origin: Time, first: Time, with_rates: bool) -> Vec<Degrees> {
 }
 
 /// What `irhorizonctl record` has recorded.
-fn replayed(origin: Time, file: &Path) -> Vec<Degrees> {
+fn replayed(stalls: &Stalls, file: &Path) -> Vec<Degrees> {
     let recording = Recording::new(BufReader::new(File::open(file).unwrap()), "recording".into()).unwrap();
     let mut frames = recording.frames(Some(Head::six())).unwrap();
-    again(origin, SimulationSettings::default().lag_s, |frame| frames.next_frame(frame).unwrap())
+    again(stalls, SimulationSettings::default().lag_s, |frame| frames.next_frame(frame).unwrap())
 }
 
 /// When the simulated flight of a daemon began, as it says.
@@ -100,12 +130,15 @@ fn origin(daemon: &Daemon) -> Time {
 }
 
 /// ATTITUDE in a time of the flight, checked for holes.
-fn whole(pilot: &FarAutopilot, (from_s, to_s): (f64, f64)) -> Vec<Told> {
+fn whole(pilot: &FarAutopilot, stalls: &Stalls, (from_s, to_s): (f64, f64)) -> Vec<Told> {
     let is_within = |t: &&Told| (from_s..to_s).contains(&t.time.since(pilot.origin()));
     let within: Vec<_> = pilot.told.iter().filter(is_within).copied().collect();
     let gap_s = within.windows(2).map(|w| w[1].time.since(w[0].time)).fold(0.0, f64::max);
-    println!("{from_s:.1} to {to_s:.1} s: {} ATTITUDE, the longest gap {gap_s:.3} s", within.len());
-    assert!(gap_s < 0.3 && within.len() as f64 > 40.0 * (to_s - from_s), "{} with a gap of {gap_s} s", within.len());
+    let still_s = stalls.within(from_s, to_s);
+    let told =
+        format!("{} ATTITUDE, the longest gap {gap_s:.3} s, the machine stood still for {still_s:.3} s", within.len());
+    println!("{from_s:.1} to {to_s:.1} s: {told}");
+    assert!(gap_s < 0.3 + still_s && within.len() as f64 > 40.0 * (to_s - from_s - still_s), "{told}");
     within
 }
 
@@ -122,6 +155,7 @@ fn an_autopilot_far_away_is_nearly_as_good_as_a_recording() {
     );
     let mut command = Command::new(process::DAEMON);
     command.args(["--log-level", "debug", "--config"]).arg(folder.write("irhorizon.toml", config));
+    let (begun, watch) = (clock::now(), Watch::start());
     let daemon = Daemon::spawn(command, folder.path("log"));
     let origin = origin(&daemon);
     pilot.took_off(origin);
@@ -151,22 +185,28 @@ fn an_autopilot_far_away_is_nearly_as_good_as_a_recording() {
 
     recorder.signal(Signal::INT);
     assert!(recorder.ended().success(), "{}", recorder.said());
-    falls_silent(&mut pilot, &bus);
+    let stalls = || Stalls::new(origin, begun, watch);
+    falls_silent(&mut pilot, &bus, stalls);
 
-    let measured = whole(&pilot, (FROM_S, TO_S));
-    assert!(measured.iter().all(|t| (t.system, t.component) == (7, 191)), "of the autopilot's system");
-    assert!(measured.iter().all(|t| t.yaw == 1.25), "the autopilot's yaw");
+    let stalls = stalls();
+    let told = whole(&pilot, &stalls, (FROM_S, TO_S));
+    assert!(told.iter().all(|t| (t.system, t.component) == (7, 191)), "of the autopilot's system");
+    assert!(told.iter().all(|t| t.yaw == 1.25), "the autopilot's yaw");
+    let all = told.len();
+    let told: Vec<Told> = told.into_iter().filter(|t| stalls.spare(t.time)).collect();
+    println!("measured: {} of {all}", told.len());
+    assert!(4 * told.len() > all, "this machine stands still too much for anything to be measured on it");
     // The scans' phase is that of the stamps: these are of the same moments, to the millisecond.
-    let phase_ns = (measured[0].time.as_nanos() - origin.as_nanos()) % PERIOD.as_nanos() as u64;
+    let phase_ns = (told[0].time.as_nanos() - origin.as_nanos()) % PERIOD.as_nanos() as u64;
     let first = origin + Duration::from_nanos(phase_ns);
-    let [exact, bare] = [true, false].map(|with| rms(&recorded(origin, first, with)));
-    let aligned = rms(&replayed(origin, &file));
-    let published = rms(&measured.iter().map(|t| error(t.attitude, pilot.truth(t.time))).collect::<Vec<_>>());
-    let rates: Vec<_> = measured.iter().map(|t| pilot.rates(t.time)).collect();
+    let [exact, bare] = [true, false].map(|with| rms(&recorded(&stalls, first, with)));
+    let aligned = rms(&replayed(&stalls, &file));
+    let published = rms(&told.iter().map(|t| error(t.attitude, pilot.truth(t.time))).collect::<Vec<_>>());
+    let rates: Vec<_> = told.iter().map(|t| pilot.rates(t.time)).collect();
     let stamps = rms(&rates).map(|rate| rate * STAMPS_S);
     println!("rms errors of roll and pitch, °: recorded with exact rates {exact:.3?}, without rates {bare:.3?}");
     println!("aligned {aligned:.3?}, published {published:.3?}; stamps {stamps:.3?}");
-    let [off, are] = pilot.rates_off(&measured);
+    let [off, are] = pilot.rates_off(&told);
     println!("body rates: {off:.2?} °/s off of {are:.2?}");
     assert!(off.iter().zip(are).all(|(off, is)| *off < 0.15 * is), "{off:?} of {are:?}");
     for i in [0, 1] {
@@ -183,7 +223,7 @@ fn an_autopilot_far_away_is_nearly_as_good_as_a_recording() {
 }
 
 /// The daemon goes on by itself, and soon.
-fn falls_silent(pilot: &mut FarAutopilot, bus: &Bus) {
+fn falls_silent(pilot: &mut FarAutopilot, bus: &Bus, stalls: impl Fn() -> Stalls) {
     pilot.talks = false;
     let (silent, mut client) = (pilot.spoke, bus.client());
     let mut unaided = 0;
@@ -200,7 +240,7 @@ fn falls_silent(pilot: &mut FarAutopilot, bus: &Bus) {
     }
     assert!(unaided > 0);
     let silent_s = silent.since(pilot.origin());
-    let alone = whole(pilot, (silent_s - 0.5, silent_s + 4.0));
+    let alone = whole(pilot, &stalls(), (silent_s - 0.5, silent_s + 4.0));
     let errors: Vec<_> = alone.iter().map(|t| error(t.attitude, pilot.truth(t.time))).collect();
     let [off, are] = pilot.rates_off(&alone);
     println!("alone: rms {:.2?}°, body rates {off:.2?} °/s off of {are:.2?}", rms(&errors));

@@ -1,5 +1,7 @@
 //! The publisher's thread over loopback: woken by each frame, ends when told, keeps its sockets at a reload.
 
+mod stalls;
+
 use irhorizon::attitude::{Attitude, Mode};
 use irhorizon::clock;
 use irhorizon::config::Settings;
@@ -9,6 +11,7 @@ use irhorizon::mavlink::switchboard::Switchboard;
 use irhorizon::state::{Shared, Snapshot};
 use irhorizon::time::Time;
 use rustix::thread::gettid;
+use stalls::{Span, Watch};
 use std::net::UdpSocket;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
@@ -49,11 +52,11 @@ impl Rig {
         self.shared.update(|s| set(s, clock::now()));
     }
 
-    fn stop(&mut self) -> Duration {
-        let asked = Instant::now();
+    fn stop(&mut self) -> Span {
+        let asked = Watch::start();
         self.shared.update(|s| s.stopping = true);
         self.thread.take().unwrap().join().unwrap();
-        asked.elapsed()
+        asked.stop()
     }
 }
 
@@ -111,7 +114,7 @@ fn it_ends_when_told_with_a_last_heartbeat() {
     rig.frame();
     receive_only(&socket, ATTITUDE);
     let took = rig.stop();
-    assert!(took < Duration::from_millis(200), "{took:?}");
+    assert!(took.within(Duration::from_millis(200)), "{took:?}");
     let last = receive_only(&socket, HEARTBEAT).2;
     assert_eq!(last[7], POWEROFF);
     socket.set_nonblocking(true).unwrap();

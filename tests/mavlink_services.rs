@@ -8,7 +8,6 @@ mod wire;
 use asking::Asked;
 use process::{ATTITUDE, HEARTBEAT};
 use rustix::process::Signal;
-use wire::hz;
 
 /// MAV_RESULT.
 const ACCEPTED: u64 = 0;
@@ -39,10 +38,10 @@ fn an_interval_is_of_one_endpoint() {
     let asked = Asked::new("none", "", |_| {});
     assert_eq!(asked.answer(&["message-interval", "ATTITUDE", "10"])["result"], ACCEPTED);
     asked.call();
-    let (slow, beside) = (hz(&asked.peer, 4.0), hz(&asked.beside, 2.0));
-    println!("{slow:.2} Hz asked for, {beside:.2} Hz beside it");
-    assert!((9.0..=11.0).contains(&slow), "{slow}");
-    assert!((20.0..=55.0).contains(&beside), "{beside}");
+    let (slow, beside) = (asked.peer.attitude_rate(4.0), asked.beside.attitude_rate(2.0));
+    println!("asked for: {slow}; beside it: {beside}");
+    assert!(slow.is(9.0..=11.0), "{slow}");
+    assert!(beside.is(20.0..=55.0), "{beside}");
     assert_eq!(asked.answer(&["get-message-interval", "ATTITUDE"])["interval_us"], 100_000);
     assert_eq!(asked.answer(&["get-message-interval", "GPS_RAW_INT"])["interval_us"], 0);
     let version = asked.answer(&["request-message", "AUTOPILOT_VERSION"]);

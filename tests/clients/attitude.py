@@ -64,6 +64,7 @@ class Listener:
         self.times = []
         self.heartbeats = []
         self.texts = []
+        self.text_stamps = []
         self.values = {}
         self.versions = set()
 
@@ -93,8 +94,12 @@ class Listener:
                 self.table.writerow([message.time_boot_ms, f"{roll:.5f}", f"{pitch:.5f}", f"{now:.6f}"])
         elif kind == "HEARTBEAT":
             self.heartbeats.append(message)
+            if message.system_status == mavutil.mavlink.MAV_STATE_POWEROFF:
+                # Who comes after that counts anew.
+                del self.sequences[sender]
         elif kind == "STATUSTEXT":
             self.texts.append({"severity": message.severity, "text": message.text})
+            self.text_stamps.append(self.stamps[-1] if self.stamps else None)
         elif kind == "NAMED_VALUE_FLOAT":
             self.values.setdefault(message.name, Span()).add(message.value)
 
@@ -132,6 +137,8 @@ class Listener:
                 "system_status": [b.system_status for b in beats],
             },
             "statustext": self.texts,
+            # Of the attitude before each.
+            "statustext_time_boot_ms": self.text_stamps,
             "values": {name: span.report() for name, span in self.values.items()},
         }
 

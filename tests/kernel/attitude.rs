@@ -21,18 +21,28 @@ fn config(name: &str, scheme: Scheme, sensors: &str) -> String {
     )
 }
 
-/// Waits until the daemon is nominal, flies, ends it in good order; gives the last status.
+/// So often a flight is begun while the machine stands still.
+const FLIGHTS: u32 = 3;
+
+/// Waits until the daemon is nominal, flies, ends it in good order; gives the last status. Where the machine stood still
+/// meanwhile another daemon flies again.
 fn fly(name: &str, sensors: &mut impl Sensors, scheme: Scheme, config: &str) -> Value {
-    let flight = Flight::begin(name, sensors, scheme);
-    let mut daemon = Daemon::start(config);
-    daemon.until("nominal", |s| s["mode"] == "nominal");
-    let Worst { dbus_deg, status_deg } = flight.fly(&daemon);
-    let status = daemon.status();
-    println!("{name}: worst error {dbus_deg:.3}° on D-Bus, {status_deg:.3}° in status");
-    println!("{name}: {} frames a second, wanted {}", status["rate_hz"], scheme.rate_hz);
-    daemon.signal(Signal::TERM);
-    assert!(daemon.ended().success(), "{}", daemon.said());
-    status
+    for number in 1.. {
+        let flight = Flight::begin(name, sensors, scheme);
+        let mut daemon = Daemon::start(config);
+        daemon.until("nominal", |s| s["mode"] == "nominal");
+        let (worst, calm) = flight.fly(&daemon);
+        let status = daemon.status();
+        daemon.signal(Signal::TERM);
+        assert!(daemon.ended().success(), "{}", daemon.said());
+        if calm || number == FLIGHTS {
+            let Worst { dbus_deg, status_deg } = worst.unwrap_or_else(|what| panic!("{what}\n{}", daemon.said()));
+            println!("{name}: worst error {dbus_deg:.3}° on D-Bus, {status_deg:.3}° in status");
+            println!("{name}: {} frames a second, wanted {}", status["rate_hz"], scheme.rate_hz);
+            return status;
+        }
+    }
+    unreachable!()
 }
 
 /// Of each sensor: the words read, and the attempts that failed.

@@ -2,6 +2,7 @@
 
 use crate::rig::Daemon;
 use crate::sky::Scheme;
+use crate::stalls::Watch;
 use irhorizon::clock;
 use serde_json::Value;
 use std::fs::File;
@@ -55,6 +56,8 @@ pub fn listener(name: &str) -> String {
     format!("udpout:{}:{port}", std::env::var("IRHORIZON_HOST").unwrap())
 }
 
+/// Where the machine stood still for longer at a time, or for more of it in all, the truth itself was late.
+const CALM: (Duration, f64) = (Duration::from_millis(250), 0.03);
 /// A flight over the sensors of one set-up.
 pub struct Flight<'a, S> {
     sensors: &'a mut S,
@@ -68,6 +71,11 @@ pub struct Flight<'a, S> {
 pub struct Worst {
     pub dbus_deg: f64,
     pub status_deg: f64,
+}
+
+/// An error unless this holds.
+fn require(holds: bool, what: impl FnOnce() -> String) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(what()) }
 }
 
 impl<'a, S: Sensors> Flight<'a, S> {
@@ -92,8 +100,18 @@ impl<'a, S: Sensors> Flight<'a, S> {
         writeln!(self.truth, "{:.3},{pose},{},{roll:.4},{pitch:.4}", time_s * 1e3, raw.join(",")).unwrap();
     }
 
-    /// Flies through all poses; in each, D-Bus and `status` must agree with the expectation.
-    pub fn fly(mut self, daemon: &Daemon) -> Worst {
+    /// Flies through all poses; what was found, and whether the machine did not stand still meanwhile.
+    pub fn fly(mut self, daemon: &Daemon) -> (Result<Worst, String>, bool) {
+        let watch = Watch::start();
+        let worst = self.poses(daemon);
+        let (longest, span) = (watch.stalls().into_iter().map(|(from, to)| to - from).max(), watch.stop());
+        let longest = longest.unwrap_or_default();
+        println!("flown in {span}, {longest:.3?} at a time at most");
+        (worst, longest <= CALM.0 && span.lost() <= CALM.1)
+    }
+
+    /// In each of the poses D-Bus and `status` must agree with the expectation.
+    fn poses(&mut self, daemon: &Daemon) -> Result<Worst, String> {
         let (mut roll, mut pitch) = (0.0, 0.0);
         let mut worst = Worst::default();
         for (name, to_roll, to_pitch) in POSES {
@@ -110,40 +128,43 @@ impl<'a, S: Sensors> Flight<'a, S> {
             let begun = clock::now();
             self.step(name, roll, pitch);
             clock::sleep_until(begun + SETTLE);
-            self.check(name, daemon, &mut worst);
+            self.check(name, daemon, &mut worst)?;
             clock::sleep_until(begun + HOLD);
         }
         // Ends the last pose, which is level: as a user asks.
-        assert_eq!(daemon.property("Mode"), "s \"nominal\"");
-        assert_eq!(daemon.property("Faults"), "as 0");
+        let told = ["Mode", "Faults"].map(|name| daemon.property(name));
+        require(told == ["s \"nominal\"", "as 0"], || format!("{told:?}"))?;
         for name in ["RollDeg", "PitchDeg"] {
             let angle = daemon.property(name);
-            let degrees: f64 = angle.strip_prefix("d ").and_then(|d| d.parse().ok()).expect(&angle);
-            assert!(degrees.abs() <= TOLERANCE_DEG, "{name} {angle}");
+            let degrees: f64 = angle.strip_prefix("d ").and_then(|d| d.parse().ok()).ok_or_else(|| angle.clone())?;
+            require(degrees.abs() <= TOLERANCE_DEG, || format!("{name} {angle}"))?;
         }
         self.step("", roll, pitch);
-        worst
+        Ok(worst)
     }
 
-    fn check(&self, pose: &str, daemon: &Daemon, worst: &mut Worst) {
+    fn check(&self, pose: &str, daemon: &Daemon, worst: &mut Worst) -> Result<(), String> {
+        let none = Value::Array(vec![]);
         let p = daemon.properties();
-        assert_eq!((&p["Mode"], &p["Faults"]), (&"nominal".into(), &Value::Array(vec![])), "{pose}: {p}");
-        let error = self.error_deg(pose, &p["SampleTimeUsec"], &p["RollDeg"], &p["PitchDeg"]);
+        require(p["Mode"] == "nominal" && p["Faults"] == none, || format!("{pose}: {p}"))?;
+        let error = self.error_deg(pose, &p["SampleTimeUsec"], &p["RollDeg"], &p["PitchDeg"])?;
         worst.dbus_deg = worst.dbus_deg.max(error);
         let s = daemon.status();
-        assert_eq!((&s["mode"], &s["faults"]), (&"nominal".into(), &Value::Array(vec![])), "{pose}: {s}");
-        let error = self.error_deg(pose, &s["sample_time_usec"], &s["roll_deg"], &s["pitch_deg"]);
+        require(s["mode"] == "nominal" && s["faults"] == none, || format!("{pose}: {s}"))?;
+        let error = self.error_deg(pose, &s["sample_time_usec"], &s["roll_deg"], &s["pitch_deg"])?;
         worst.status_deg = worst.status_deg.max(error);
+        Ok(())
     }
 
-    fn error_deg(&self, pose: &str, usec: &Value, roll: &Value, pitch: &Value) -> f64 {
-        let at_s = usec.as_u64().unwrap() as f64 * 1e-6;
+    fn error_deg(&self, pose: &str, usec: &Value, roll: &Value, pitch: &Value) -> Result<f64, String> {
+        let at_s = usec.as_u64().ok_or("no time")? as f64 * 1e-6;
         let taken_up_s = self.steps.last().unwrap().0;
-        assert!(at_s > taken_up_s && at_s < clock::now().as_secs_f64(), "{pose}: {at_s} is no time of this pose");
+        let now_s = clock::now().as_secs_f64();
+        require(at_s > taken_up_s && at_s < now_s, || format!("{pose}: {at_s} is no time of this pose"))?;
         let expected = self.scheme.expect(&self.steps, at_s);
-        let (roll, pitch) = (roll.as_f64().expect("a roll"), pitch.as_f64().expect("a pitch"));
+        let (roll, pitch) = (roll.as_f64().ok_or("no roll")?, pitch.as_f64().ok_or("no pitch")?);
         let error = (roll - expected.0).abs().max((pitch - expected.1).abs());
-        assert!(error <= TOLERANCE_DEG, "{pose}: roll {roll}, pitch {pitch}, expected {expected:?}");
-        error
+        require(error <= TOLERANCE_DEG, || format!("{pose}: roll {roll}, pitch {pitch}, expected {expected:?}"))?;
+        Ok(error)
     }
 }

@@ -27,4 +27,6 @@ mod radio;
 mod rig;
 mod setup;
 mod sky;
+#[path = "../stalls/mod.rs"]
+mod stalls;
 mod turning;

@@ -1,7 +1,11 @@
 //! The daemon as a process: its folder, what it says, how it ends.
 #![allow(dead_code)]
 
+#[path = "../stalls/mod.rs"]
+pub mod stalls;
+
 use rustix::process::{Pid, Signal, kill_process};
+use stalls::Rate;
 use std::fs;
 use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
@@ -152,17 +156,10 @@ impl Receiver {
         self.0.set_nonblocking(false).unwrap();
     }
 
-    /// ATTITUDE messages a second, counted for a second; what came before is not counted.
-    pub fn attitude_hz(&self) -> f64 {
+    /// ATTITUDE messages a second, counted for so many seconds; what came before is not counted.
+    pub fn attitude_rate(&self, seconds: f64) -> Rate {
         self.forget();
-        self.wait(ATTITUDE);
-        let start = Instant::now();
-        let mut count = 0;
-        while start.elapsed() < Duration::from_secs(1) {
-            self.wait(ATTITUDE);
-            count += 1;
-        }
-        f64::from(count) / start.elapsed().as_secs_f64()
+        Rate::measure(seconds, || usize::from(self.next().expect("a message within 10 s").0 == ATTITUDE))
     }
 }
 

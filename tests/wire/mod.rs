@@ -1,7 +1,8 @@
 //! Both ends of endpoints of all kinds.
 #![allow(dead_code)]
 
-use super::process::{ATTITUDE, Receiver};
+use super::process::ATTITUDE;
+use super::process::stalls::Rate;
 use irhorizon::mavlink::deframe::Deframer;
 use irhorizon::mavlink::encode::Encoder;
 use irhorizon::mavlink::messages;
@@ -12,7 +13,7 @@ use std::io::Read;
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::os::unix::fs::symlink;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A daemon at 50 Hz on its simulated source with these endpoints; text may be added to the last.
 pub fn config(bus: &str, addresses: &[String]) -> String {
@@ -68,49 +69,38 @@ pub fn plug(path: &Path) -> File {
     File::from(far)
 }
 
-/// Calls `next`, which gives how many ATTITUDE there were: how many a second, from the first on.
-fn rate(seconds: f64, mut next: impl FnMut() -> u32) -> f64 {
-    while next() == 0 {}
-    let begun = Instant::now();
-    let mut count = 0;
-    while begun.elapsed().as_secs_f64() < seconds {
-        count += next();
-    }
-    f64::from(count) / begun.elapsed().as_secs_f64()
-}
-
-/// ATTITUDE a second at a receiver; what came before is not counted.
-pub fn hz(receiver: &Receiver, seconds: f64) -> f64 {
-    receiver.forget();
-    rate(seconds, || u32::from(receiver.next().expect("a message within 10 s").0 == ATTITUDE))
-}
-
-/// ATTITUDE a second in a stream whose reads end.
-fn read_hz(stream: &mut impl Read, seconds: f64) -> f64 {
+/// Reads a stream whose reads end: how many ATTITUDE came with each.
+fn attitudes(stream: &mut impl Read) -> impl FnMut() -> usize {
     let mut deframer = Deframer::default();
     let mut buffer = [0; 4096];
-    rate(seconds, || {
+    move || {
         let mut count = 0;
         // A far end whose port nobody has open yet says EIO.
         match stream.read(&mut buffer) {
             Ok(bytes) => {
-                deframer.take(&buffer[..bytes], |packet| count += u32::from(packet.id == u32::from(ATTITUDE)));
+                deframer.take(&buffer[..bytes], |packet| count += usize::from(packet.id == u32::from(ATTITUDE)));
             }
             Err(_) => std::thread::sleep(Duration::from_millis(1)),
         }
         count
-    })
+    }
+}
+
+/// Waits until ATTITUDE comes.
+pub fn await_attitude(stream: &mut impl Read) {
+    let mut next = attitudes(stream);
+    while next() == 0 {}
 }
 
 /// ATTITUDE a second over TCP.
-pub fn stream_hz(stream: &mut TcpStream, seconds: f64) -> f64 {
+pub fn stream_rate(stream: &mut TcpStream, seconds: f64) -> Rate {
     stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
-    read_hz(stream, seconds)
+    Rate::measure(seconds, attitudes(stream))
 }
 
 /// ATTITUDE a second over a serial line.
-pub fn tty_hz(far: &mut File, seconds: f64) -> f64 {
-    read_hz(far, seconds)
+pub fn tty_rate(far: &mut File, seconds: f64) -> Rate {
+    Rate::measure(seconds, attitudes(far))
 }
 
 /// The resident memory of a process.
