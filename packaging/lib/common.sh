@@ -29,7 +29,7 @@ install_missing() {
     say "installing ${missing[*]}"
     export DEBIAN_FRONTEND=noninteractive
     quietly "${sudo[@]}" apt-get update || say "apt-get update failed, going on with what apt knows"
-    quietly "${sudo[@]}" apt-get install -qy --no-install-recommends "${missing[@]}" ||
+    quietly "${sudo[@]}" apt-get -o DPkg::Lock::Timeout=600 install -qy --no-install-recommends "${missing[@]}" ||
         die "missing: ${missing[*]}; as root run: apt-get install --no-install-recommends ${missing[*]}"
     missing=()
 }

@@ -47,8 +47,8 @@ install_packages() {
 	fi
 	say "installing ${missing[*]}"
 	export DEBIAN_FRONTEND=noninteractive
-	quietly as_root apt-get install -y --no-install-recommends "${missing[@]}" && return
+	quietly as_root apt-get -o DPkg::Lock::Timeout=600 install -y --no-install-recommends "${missing[@]}" && return
 	retry quietly as_root apt-get update || say "apt-get update failed, going on with what apt knows"
-	retry quietly as_root apt-get install -y --no-install-recommends "${missing[@]}" ||
+	retry quietly as_root apt-get -o DPkg::Lock::Timeout=600 install -y --no-install-recommends "${missing[@]}" ||
 		die "apt could not install: ${missing[*]}"
 }
