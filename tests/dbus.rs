@@ -219,8 +219,7 @@ fn one_signal_an_update_and_none_without_a_change() {
 #[test]
 fn forty_signals_a_second_when_they_are_asked_for() {
     let bus = Bus::new();
-    let daemon = Daemon::start(&bus);
-    daemon.signal_every(Duration::from_millis(25));
+    let daemon = Daemon::signalling_every(&bus, Duration::from_millis(25));
     daemon.frame(level);
     let monitor = bus.monitor();
     let watch = Watch::start();
@@ -239,8 +238,7 @@ fn forty_signals_a_second_when_they_are_asked_for() {
 #[test]
 fn a_fault_is_signalled_at_once() {
     let bus = Bus::new();
-    let daemon = Daemon::start(&bus);
-    daemon.signal_every(Duration::from_secs(10));
+    let daemon = Daemon::signalling_every(&bus, Duration::from_secs(10));
     daemon.frame(|_| ());
     daemon.frame(level);
     let monitor = bus.monitor();

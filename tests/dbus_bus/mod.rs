@@ -232,9 +232,18 @@ pub struct Daemon {
 
 impl Daemon {
     pub fn start(bus: &Bus) -> Self {
+        Self::telling(bus, info())
+    }
+
+    /// Has changes signalled once in `period`, from the first on.
+    pub fn signalling_every(bus: &Bus, period: Duration) -> Self {
+        Self::telling(bus, ServiceInfo { update: period, ..info() })
+    }
+
+    fn telling(bus: &Bus, info: ServiceInfo) -> Self {
         let shared = Arc::new(Shared::default());
         let taps = Arc::new(Taps::default());
-        let (info, reload) = (Mutex::new(Arc::new(info())), Mutex::new(Ok(())));
+        let (info, reload) = (Mutex::new(Arc::new(info)), Mutex::new(Ok(())));
         let control = Arc::new(Fake { info, reload, asked: AtomicU32::new(0) });
         let service =
             Service { bus: bus.choice(), shared: shared.clone(), taps: taps.clone(), control: control.clone() };
@@ -260,11 +269,6 @@ impl Daemon {
         while self.control.asked.load(Ordering::SeqCst) == asked && start.elapsed() < Duration::from_secs(3) {
             std::thread::sleep(Duration::from_millis(2));
         }
-    }
-
-    /// Has changes signalled once in `period`, from the next frame on.
-    pub fn signal_every(&self, period: Duration) {
-        *self.control.info.lock().unwrap() = ServiceInfo { update: period, ..info() }.into();
     }
 
     /// How long the thread took to end.
