@@ -9,7 +9,7 @@ use irhorizon::config::settings::{EndpointAddress, EndpointSettings, SimulationS
 use irhorizon::daemon::sampling::Sampling;
 use irhorizon::frame::{Frame, Missing};
 use irhorizon::horizon::Horizon;
-use irhorizon::mavlink::publisher::run;
+use irhorizon::mavlink::publisher::Publisher;
 use irhorizon::mavlink::switchboard::Switchboard;
 use irhorizon::recording::Taps;
 use irhorizon::simulation::SimulatedSource;
@@ -64,13 +64,15 @@ fn main() {
     let mavlink = Arc::new(Switchboard::sending(settings.clone()));
     let stop = Arc::new(AtomicBool::new(false));
     let horizon = Horizon::new(&settings, head.clone());
-    let sampling = Sampling::new(head, Box::new(source), horizon, Arc::clone(&shared), Arc::new(Taps::default()), None);
+    let publisher = Arc::new(Publisher::new(&mavlink));
+    let sampling = Sampling::new(head, Box::new(source), horizon, Arc::clone(&shared), Arc::new(Taps::default()), None)
+        .with_publisher(Arc::clone(&publisher));
 
     let mut busy = Command::new("sh").args(["-c", "while :; do :; done"]).stdout(Stdio::null()).spawn().expect("sh");
     let mut late = Vec::new();
     std::thread::scope(|scope| {
         scope.spawn(|| sampling.run(50.0, &stop));
-        scope.spawn(|| run(&shared, &mavlink));
+        scope.spawn(|| publisher.run(&shared, &mavlink));
         let end = clock::now() + Duration::from_secs(seconds);
         let mut packet = [0; 300];
         while clock::now() < end {

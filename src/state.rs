@@ -114,16 +114,24 @@ impl Shared {
 
     /// Changes the state and wakes the publishers.
     pub fn update(&self, change: impl FnOnce(&mut Snapshot)) {
-        {
-            let mut snapshot = self.lock();
-            let last = snapshot.moment();
-            change(&mut snapshot);
-            if snapshot.sequence != last.sequence {
-                snapshot.before.rotate_right(1);
-                snapshot.before[0] = last;
-            }
-            self.alarm.hear(&snapshot);
+        self.put(change);
+        self.ring();
+    }
+
+    /// Changes the state. Whoever has a bell is not woken: [`ring`](Self::ring) does that.
+    pub fn put(&self, change: impl FnOnce(&mut Snapshot)) {
+        let mut snapshot = self.lock();
+        let last = snapshot.moment();
+        change(&mut snapshot);
+        if snapshot.sequence != last.sequence {
+            snapshot.before.rotate_right(1);
+            snapshot.before[0] = last;
         }
+        self.alarm.hear(&snapshot);
+    }
+
+    /// Rings all bells.
+    pub fn ring(&self) {
         self.bells.lock().unwrap_or_else(PoisonError::into_inner).retain(|bell| {
             let bell = bell.upgrade();
             if let Some(bell) = &bell {

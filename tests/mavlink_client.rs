@@ -9,7 +9,7 @@ use irhorizon::config::Settings;
 use irhorizon::config::settings::{EndpointAddress, EndpointSettings, MavlinkSettings};
 use irhorizon::fault::{ActiveFault, Evidence, FaultKind};
 use irhorizon::frame::Missing;
-use irhorizon::mavlink::publisher::run;
+use irhorizon::mavlink::publisher::Publisher;
 use irhorizon::mavlink::switchboard::Switchboard;
 use irhorizon::state::Shared;
 use irhorizon::time::Time;
@@ -58,9 +58,10 @@ fn hear(
     let shared = Shared::default();
     let mavlink = MavlinkSettings { system_id: Some(3), endpoints: vec![endpoint], ..Settings::default().mavlink };
     let switchboard = Switchboard::sending(Settings { mavlink, ..Settings::default() });
+    let publisher = Publisher::new(&switchboard);
     let done = AtomicBool::new(false);
     let (output, stamps, span) = std::thread::scope(|scope| {
-        scope.spawn(|| run(&shared, &switchboard));
+        scope.spawn(|| publisher.run(&shared, &switchboard));
         let fed = scope.spawn(|| {
             let (mut stamps, mut tick) = (Vec::new(), clock::now());
             for i in 1.. {

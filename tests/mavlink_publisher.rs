@@ -1,4 +1,5 @@
-//! The publisher's thread over loopback: woken by each frame, ends when told, keeps its sockets at a reload.
+//! The publisher over loopback: sends with the thread that samples or with its own, ends when told, keeps its sockets
+//! at a reload.
 
 mod stalls;
 
@@ -6,14 +7,17 @@ use irhorizon::attitude::{Attitude, Mode};
 use irhorizon::clock;
 use irhorizon::config::Settings;
 use irhorizon::config::settings::{EndpointAddress, EndpointSettings, MavlinkSettings};
-use irhorizon::mavlink::publisher::run;
+use irhorizon::mavlink::publisher::Publisher;
 use irhorizon::mavlink::switchboard::Switchboard;
 use irhorizon::state::{Shared, Snapshot};
 use irhorizon::time::Time;
+use rustix::net::{AddressFamily, SocketType, sockopt};
 use rustix::thread::gettid;
 use stalls::{Span, Watch};
-use std::net::UdpSocket;
+use std::io::Read;
+use std::net::{TcpListener, TcpStream, UdpSocket};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -21,6 +25,7 @@ use std::time::{Duration, Instant};
 struct Rig {
     shared: Arc<Shared>,
     switchboard: Arc<Switchboard>,
+    publisher: Arc<Publisher>,
     thread: Option<JoinHandle<()>>,
     tid: i32,
 }
@@ -29,15 +34,17 @@ impl Rig {
     fn new(endpoints: Vec<EndpointAddress>) -> Self {
         let shared = Arc::new(Shared::default());
         let switchboard = Arc::new(Switchboard::sending(settings(endpoints, 191)));
+        let publisher = Arc::new(Publisher::new(&switchboard));
         let (tell, told) = channel();
         let thread = {
             let (shared, switchboard) = (Arc::clone(&shared), Arc::clone(&switchboard));
+            let publisher = Arc::clone(&publisher);
             std::thread::spawn(move || {
                 tell.send(gettid().as_raw_nonzero().get()).unwrap();
-                run(&shared, &switchboard);
+                publisher.run(&shared, &switchboard);
             })
         };
-        Self { shared, switchboard, thread: Some(thread), tid: told.recv().unwrap() }
+        Self { shared, switchboard, publisher, thread: Some(thread), tid: told.recv().unwrap() }
     }
 
     /// How often the thread has waited for something and was woken.
@@ -47,9 +54,17 @@ impl Rig {
         line.trim().parse().unwrap()
     }
 
-    /// A frame with a good attitude, stamped now.
+    /// A frame with a good attitude, stamped now, that the publisher's thread is rung for.
     fn frame(&self) {
         self.shared.update(|s| set(s, clock::now()));
+    }
+
+    /// A frame stamped `at` that is told of by the thread that wrote it, as the sampling loop does.
+    fn tell(&self, at: Time) {
+        self.shared.put(|s| set(s, at));
+        if !self.publisher.tell(&self.shared) {
+            self.shared.ring();
+        }
     }
 
     fn stop(&mut self) -> Span {
@@ -103,6 +118,7 @@ fn receive_only(socket: &UdpSocket, id: u8) -> (u8, u8, Vec<u8>) {
 
 const HEARTBEAT: u8 = 0;
 const ATTITUDE: u8 = 30;
+const CRITICAL: u8 = 5;
 const POWEROFF: u8 = 7;
 
 #[test]
@@ -162,6 +178,8 @@ fn endpoints_that_cannot_send_do_not_hold_up_the_others() {
     for _ in 0..50 {
         rig.frame();
         receive_only(&socket, ATTITUDE);
+        rig.tell(clock::now());
+        receive_only(&socket, ATTITUDE);
     }
     rig.stop();
     let endpoints = rig.switchboard.endpoints();
@@ -220,4 +238,116 @@ fn a_frame_wakes_the_thread_and_nothing_polls() {
     assert!(took_s < FRAMES as f64 * TEND_S / 2.0, "it does not wait to be tended");
     assert!(woken as f64 <= 2.0 * FRAMES as f64 + took_s / TEND_S, "{woken}");
     assert!(idle as f64 <= 2.0 * idle_s / TEND_S, "{idle}");
+}
+
+/// What the sampling thread tells of is sent by it, heartbeats too; the publisher's own hardly wakes.
+#[test]
+fn a_frame_that_is_told_of_wakes_nobody() {
+    let (socket, address) = receiver();
+    let mut rig = Rig::new(vec![address]);
+    receive_only(&socket, HEARTBEAT);
+    let (begun, before) = (Instant::now(), rig.wakeups());
+    let (mut heartbeats, mut attitudes) = (0, 0);
+    for i in 1..=1000 {
+        rig.tell(clock::now());
+        while attitudes < i {
+            match receive(&socket).2 {
+                HEARTBEAT => heartbeats += 1,
+                ATTITUDE => attitudes += 1,
+                _ => {}
+            }
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let (took_s, woken) = (begun.elapsed().as_secs_f64(), rig.wakeups() - before);
+    rig.stop();
+    println!("{woken} wake-ups in {took_s:.2} s, {heartbeats} heartbeats");
+    assert!(woken as f64 <= 5.0 * took_s + 5.0, "{woken} in {took_s} s");
+    assert!((took_s - 1.5..=took_s + 1.5).contains(&f64::from(heartbeats)), "{heartbeats} in {took_s} s");
+}
+
+/// Both threads at once, one of them busy with what comes in: each attitude goes out once, in their order.
+#[test]
+fn what_finds_the_publisher_at_work_is_sent_all_the_same() {
+    const FRAMES: u32 = 1500;
+    let (socket, address) = receiver();
+    let flooded = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let mut rig = Rig::new(vec![EndpointAddress::UdpIn(flooded), address]);
+    receive_only(&socket, HEARTBEAT);
+    let end = AtomicBool::new(false);
+    let stamps: Vec<u32> = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let flood = UdpSocket::bind("127.0.0.1:0").unwrap();
+            while !end.load(Ordering::Relaxed) {
+                (0..50).for_each(|_| drop(flood.send_to(&[0xfd; 300], flooded)));
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        });
+        let told = scope.spawn(|| {
+            let begun = clock::now();
+            for i in 0..FRAMES {
+                rig.tell(begun + Duration::from_millis(20) * i);
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            (begun.as_nanos() / 1_000_000) as u32
+        });
+        let stamps: Vec<u32> = (0..FRAMES)
+            .map(|_| u32::from_le_bytes(receive_only(&socket, ATTITUDE).2[..4].try_into().unwrap()))
+            .collect();
+        end.store(true, Ordering::Relaxed);
+        let begun = told.join().unwrap();
+        stamps.into_iter().map(|stamp| stamp.wrapping_sub(begun)).collect()
+    });
+    rig.stop();
+    assert!((0..FRAMES).zip(&stamps).all(|(i, stamp)| stamp.abs_diff(20 * i) <= 1), "{stamps:?}");
+}
+
+/// When no more frames are told of, the publisher's thread goes on by itself: heartbeats, critical ones soon.
+#[test]
+fn when_sampling_hangs_the_publisher_says_so() {
+    let (socket, address) = receiver();
+    let mut rig = Rig::new(vec![address]);
+    receive_only(&socket, HEARTBEAT);
+    (0..100).for_each(|_| {
+        rig.tell(clock::now());
+        std::thread::sleep(Duration::from_millis(10));
+    });
+    let watch = Watch::start();
+    while receive_only(&socket, HEARTBEAT).2[7] != CRITICAL {}
+    let took = watch.stop();
+    rig.stop();
+    // Dead after 1 s, told by the next heartbeat.
+    assert!(took.within(Duration::from_millis(2300)), "{took:?}");
+}
+
+/// What waits for a client that reads nothing for a while goes out as soon as it does, whoever left it waiting.
+#[test]
+fn what_waits_is_sent_when_there_is_room_though_nobody_tells() {
+    let at = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let mut rig = Rig::new(vec![EndpointAddress::TcpIn(at)]);
+    while rig.switchboard.endpoints().is_empty() {
+        std::thread::yield_now();
+    }
+    // With a small buffer it takes little in by itself.
+    let client = rustix::net::socket(AddressFamily::INET, SocketType::STREAM, None).unwrap();
+    sockopt::set_socket_recv_buffer_size(&client, 4096).unwrap();
+    rustix::net::connect(&client, &at).unwrap();
+    let mut client = TcpStream::from(client);
+    client.set_read_timeout(Some(Duration::from_secs(2))).unwrap();
+    let view = || rig.switchboard.endpoints().remove(0);
+    let mut sent = 0;
+    while sent == 0 || view().sent > sent {
+        sent = view().sent;
+        (0..20).for_each(|_| {
+            rig.tell(clock::now());
+            std::thread::sleep(Duration::from_millis(1));
+        });
+    }
+    let (watch, mut buffer) = (Watch::start(), [0; 1 << 16]);
+    while view().sent < sent + 10 {
+        assert_ne!(client.read(&mut buffer).unwrap(), 0);
+    }
+    let took = watch.stop();
+    rig.stop();
+    assert!(took.within(Duration::from_millis(250)), "{took:?}");
 }

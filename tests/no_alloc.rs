@@ -17,7 +17,7 @@ use irhorizon::head::Head;
 use irhorizon::horizon::Horizon;
 use irhorizon::mavlink::encode::Encoder;
 use irhorizon::mavlink::messages;
-use irhorizon::mavlink::publisher;
+use irhorizon::mavlink::publisher::Publisher;
 use irhorizon::mavlink::switchboard::Switchboard;
 use irhorizon::recording::Taps;
 use irhorizon::simulation::fault::Kind;
@@ -197,7 +197,7 @@ fn faults_come_and_go() {
     assert_eq!(allocations(outages, true, 50, 5_000), 0);
 }
 
-/// Frames go out and messages come in, are heeded, answered and logged; one client takes nothing.
+/// Frames go out, by either thread, and messages come in, are heeded, answered and logged; one client takes nothing.
 #[test]
 fn endpoints_of_all_kinds() {
     let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -212,13 +212,13 @@ fn endpoints_of_all_kinds() {
     endpoints[1].tlog = Some(tlog.clone());
     let settings = MavlinkSettings { endpoints: endpoints.into(), ..Settings::default().mavlink };
     let switchboard = Switchboard::sending(Settings { mavlink: settings, ..Settings::default() });
-    let shared = Shared::default();
+    let (publisher, shared) = (Publisher::new(&switchboard), Shared::default());
     let allocations = || WATCHED_ALLOCATIONS.load(Ordering::Relaxed);
     let mut first = 0;
     std::thread::scope(|scope| {
         scope.spawn(|| {
             WATCHED.set(true);
-            publisher::run(&shared, &switchboard);
+            publisher.run(&shared, &switchboard);
         });
         while switchboard.endpoints().len() < 3 {
             std::thread::yield_now();
@@ -227,13 +227,19 @@ fn endpoints_of_all_kinds() {
         receiver.send_to(b"hello", udp_in).unwrap();
         let frame = Encoder::new(1, 1).encode(&messages::heartbeat(MavState::MAV_STATE_ACTIVE)).to_vec();
         for i in 0..3000_u32 {
-            shared.update(|s| {
+            WATCHED.set(true);
+            shared.put(|s| {
                 s.sequence += 1;
                 s.written = clock::now();
                 s.estimate.valid_at = s.written;
                 s.estimate.attitude = Some(Attitude::from_degrees(f64::from(i) * 0.01, 1.0));
                 s.estimate.mode = Mode::Nominal;
             });
+            // Each of the two threads in turn.
+            if i % 100 < 50 || !publisher.tell(&shared) {
+                shared.ring();
+            }
+            WATCHED.set(false);
             if i == 400 {
                 first = allocations();
             }

@@ -11,7 +11,7 @@ use crate::dbus::{self, DbusError, Service};
 use crate::gpio::lamp::Lamp;
 use crate::gpio::output::OutputLine;
 use crate::horizon::Horizon;
-use crate::mavlink::publisher;
+use crate::mavlink::publisher::Publisher;
 use crate::mavlink::switchboard::Switchboard;
 use crate::recording::Taps;
 use crate::state::Shared;
@@ -77,6 +77,7 @@ pub struct Running {
     /// What the autopilot says, on its way to the sampling loop.
     inbox: Arc<Inbox>,
     mavlink: Arc<Switchboard>,
+    publisher: Arc<Publisher>,
     desk: Arc<Desk>,
     sampling: Option<Loop>,
     publishers: Vec<JoinHandle<()>>,
@@ -91,6 +92,7 @@ impl Running {
         let inbox = Arc::new(Inbox::default());
         let mavlink = Arc::new(Switchboard::new(settings.clone(), Arc::clone(&inbox), control::hang_up));
         let desk = Arc::new(Desk::new(&loaded, Arc::clone(&mavlink)));
+        let publisher = Arc::new(Publisher::new(&mavlink));
         let mut publishers = Vec::new();
         if let Some(bus) = settings.dbus.bus.clone() {
             let (first, outcome) = sync_channel(1);
@@ -109,12 +111,13 @@ impl Running {
             settings.rate_hz,
             settings.method().as_str()
         );
-        let sampling = Some(sample(settings, &shared, &taps, &inbox)?);
+        let sampling = Some(sample(settings, &shared, &taps, &inbox, &publisher)?);
         {
-            let (shared, mavlink) = (Arc::clone(&shared), Arc::clone(&mavlink));
-            publishers.push(spawn("mavlink", move || publisher::run(&shared, &mavlink))?);
+            let (publisher, shared, mavlink) = (Arc::clone(&publisher), Arc::clone(&shared), Arc::clone(&mavlink));
+            publishers.push(spawn("mavlink", move || publisher.run(&shared, &mavlink))?);
         }
-        Ok(Self { settings: loaded.settings, kept, shared, taps, inbox, mavlink, desk, sampling, publishers })
+        let settings = loaded.settings;
+        Ok(Self { settings, kept, shared, taps, inbox, mavlink, publisher, desk, sampling, publishers })
     }
 
     /// Waits for the first frame, for a while.
@@ -150,10 +153,10 @@ impl Running {
         if changed.iter().any(|c| c.begins_anew()) {
             // The old loop must let go of buses and lines before the new one can have them.
             self.end_sampling();
-            match sample(new, &self.shared, &self.taps, &self.inbox) {
+            match self.sample(new) {
                 Ok(sampling) => self.sampling = Some(sampling),
                 Err(e) => {
-                    self.sampling = Some(sample(&self.settings, &self.shared, &self.taps, &self.inbox)?);
+                    self.sampling = Some(self.sample(&self.settings)?);
                     return Err(e);
                 }
             }
@@ -165,6 +168,10 @@ impl Running {
         self.shared.update(|s| s.generation += 1);
         self.settings = loaded.settings;
         Ok(())
+    }
+
+    fn sample(&self, settings: &Settings) -> Result<Loop, StartError> {
+        sample(settings, &self.shared, &self.taps, &self.inbox, &self.publisher)
     }
 
     fn end_sampling(&mut self) {
@@ -200,7 +207,13 @@ fn spawn(name: &str, body: impl FnOnce() + Send + 'static) -> Result<JoinHandle<
 }
 
 /// Starts a sampling loop.
-fn sample(settings: &Settings, shared: &Arc<Shared>, taps: &Arc<Taps>, inbox: &Arc<Inbox>) -> Result<Loop, StartError> {
+fn sample(
+    settings: &Settings,
+    shared: &Arc<Shared>,
+    taps: &Arc<Taps>,
+    inbox: &Arc<Inbox>,
+    publisher: &Arc<Publisher>,
+) -> Result<Loop, StartError> {
     let head = settings.head();
     let source = source::open(settings, &head).map_err(StartError::Configuration)?;
     let horizon = Horizon::new(settings, head.clone());
@@ -215,6 +228,7 @@ fn sample(settings: &Settings, shared: &Arc<Shared>, taps: &Arc<Taps>, inbox: &A
     let retune = Retune::default();
     let sampling = Sampling::new(head, source, horizon, Arc::clone(shared), Arc::clone(taps), lamp)
         .with_inbox(Arc::clone(inbox))
+        .with_publisher(Arc::clone(publisher))
         .with_retune(Arc::clone(&retune));
     let (rate_hz, flag) = (settings.rate_hz, Arc::clone(&stop));
     let thread = spawn("sampling", move || sampling.run(rate_hz, &flag))?;

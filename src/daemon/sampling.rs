@@ -14,6 +14,7 @@ use crate::gpio::lamp::Lamp;
 use crate::gpio::output::OutputLine;
 use crate::head::Head;
 use crate::horizon::Horizon;
+use crate::mavlink::publisher::Publisher;
 use crate::recording::{Taps, Writer};
 use crate::source::{FrameSource, SensorHealth};
 use crate::state::Shared;
@@ -33,6 +34,7 @@ pub struct Sampling {
     taps: Arc<Taps>,
     writer: Writer,
     lamp: Option<Lamp<OutputLine>>,
+    publisher: Option<Arc<Publisher>>,
     /// The newest scan.
     frame: Frame,
     alignment: Alignment,
@@ -74,7 +76,14 @@ impl Sampling {
             shared,
             taps,
             lamp,
+            publisher: None,
         }
+    }
+
+    /// Tells `publisher` of each frame.
+    pub fn with_publisher(mut self, publisher: Arc<Publisher>) -> Self {
+        self.publisher = Some(publisher);
+        self
     }
 
     /// Takes up thresholds and trims from `retune`.
@@ -129,7 +138,7 @@ impl Sampling {
         let autopilot = alignment.autopilot(frame.time);
         let shown = alignment.shown(estimate, horizon, frame);
         let rate_hz = self.rate.update(self.frame.time);
-        self.shared.update(|s| {
+        self.shared.put(|s| {
             s.sequence += 1;
             s.written = self.frame.time;
             s.estimate.clone_from(shown);
@@ -139,6 +148,9 @@ impl Sampling {
             s.health.extend_from_slice(self.source.health());
             s.rate_hz = rate_hz;
         });
+        if !self.publisher.as_ref().is_some_and(|publisher| publisher.tell(&self.shared)) {
+            self.shared.ring();
+        }
         if let Some(lamp) = &mut self.lamp {
             // A lamp that cannot be switched is tried again at the next frame.
             let _ = lamp.show(self.estimate.mode, self.frame.time);

@@ -49,7 +49,7 @@ trait Transport: Debug + Send {
     fn peers(&self) -> usize;
 
     /// Its file descriptors.
-    fn watch<'a>(&'a self, watch: &mut Watch<'a>);
+    fn watch(&self, watch: &mut Watch);
 
     /// Sends a message, or lets it wait; whether it is for anybody. What failed is counted.
     fn send(&mut self, now: Time, message: &[u8], health: &mut Health) -> Result<bool, Trouble>;
@@ -112,8 +112,19 @@ impl Endpoint {
         }
     }
 
+    /// Whether it is open: messages can be sent, if anybody is there.
+    pub fn is_open(&self) -> bool {
+        self.transport.is_some()
+    }
+
+    /// Whether what must be [watched](Self::watch) has changed since then.
+    pub fn watch_anew(&self) -> bool {
+        self.health.watch_anew.get()
+    }
+
     /// Its file descriptors.
-    pub fn watch<'a>(&'a self, watch: &mut Watch<'a>) {
+    pub fn watch(&self, watch: &mut Watch) {
+        self.health.watch_anew.set(false);
         if let Some(transport) = &self.transport {
             transport.watch(watch);
         }
@@ -189,6 +200,7 @@ impl Endpoint {
 
     fn close(&mut self, now: Time, trouble: Trouble) {
         self.health.note(now, trouble);
+        self.health.watch_anew.set(true);
         self.transport = None;
         self.retry = now + self.retry_after;
         if matches!(self.address, EndpointAddress::Serial { .. }) {

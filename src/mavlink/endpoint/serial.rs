@@ -52,7 +52,7 @@ impl Transport for Serial {
         1
     }
 
-    fn watch<'a>(&'a self, watch: &mut Watch<'a>) {
+    fn watch(&self, watch: &mut Watch) {
         self.0.watch(watch);
     }
 

@@ -5,6 +5,7 @@ use crate::mavlink::deframe::Skipped;
 use crate::mavlink::pace::Pace;
 use crate::mavlink::trouble::Trouble;
 use crate::time::Time;
+use std::cell::Cell;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -108,12 +109,20 @@ pub struct Health {
     trouble: Option<Trouble>,
     failed: Time,
     lines: Pace,
+    /// There is another file descriptor to watch, or one less, or one for room as well.
+    pub watch_anew: Cell<bool>,
 }
 
 impl Health {
     /// All is well.
     pub fn new(stats: Arc<EndpointStats>) -> Self {
-        Self { stats, trouble: None, failed: Time::default(), lines: Pace::new(LINES, LINES_AT_ONCE) }
+        Self {
+            stats,
+            trouble: None,
+            failed: Time::default(),
+            lines: Pace::new(LINES, LINES_AT_ONCE),
+            watch_anew: Cell::default(),
+        }
     }
 
     /// What is wrong.

@@ -7,7 +7,8 @@ use super::watch::Watch;
 use crate::mavlink::deframe::{Deframer, Packet};
 use crate::time::Time;
 use rustix::io::Errno;
-use std::os::fd::{AsFd, OwnedFd};
+use std::os::fd::OwnedFd;
+use std::sync::Arc;
 
 /// Reads at a time, of 2 KiB each.
 const READS: u32 = 16;
@@ -15,7 +16,7 @@ const READS: u32 = 16;
 /// A stream both ways. An error is its end.
 #[derive(Debug)]
 pub struct Stream {
-    fd: OwnedFd,
+    fd: Arc<OwnedFd>,
     queue: Queue,
     deframer: Deframer,
     stuck: Option<Time>,
@@ -24,11 +25,11 @@ pub struct Stream {
 impl Stream {
     /// Over `fd`, which does not block.
     pub fn new(fd: OwnedFd) -> Self {
-        Self { fd, queue: Queue::default(), deframer: Deframer::default(), stuck: None }
+        Self { fd: Arc::new(fd), queue: Queue::default(), deframer: Deframer::default(), stuck: None }
     }
 
     /// What it goes over.
-    pub fn fd(&self) -> &OwnedFd {
+    pub fn fd(&self) -> &Arc<OwnedFd> {
         &self.fd
     }
 
@@ -38,14 +39,19 @@ impl Stream {
     }
 
     /// Watches for what comes in, and for room if anything waits.
-    pub fn watch<'a>(&'a self, watch: &mut Watch<'a>) {
-        watch.add(self.fd.as_fd(), !self.queue.is_empty());
+    pub fn watch(&self, watch: &mut Watch) {
+        watch.add(self.fd.clone(), !self.queue.is_empty());
     }
 
     /// Sends a frame, or lets it wait.
     pub fn send(&mut self, now: Time, frame: &[u8], health: &Health) -> Result<(), Errno> {
+        let waited = !self.queue.is_empty();
         health.stats.dropped(self.queue.push(frame));
-        self.flush(now, health)
+        self.flush(now, health)?;
+        if !waited && !self.queue.is_empty() {
+            health.watch_anew.set(true);
+        }
+        Ok(())
     }
 
     /// Sends what waits, as far as it is taken.

@@ -10,7 +10,7 @@ use crate::time::Time;
 use rustix::io::Errno;
 use rustix::net::{AddressFamily, SocketFlags, SocketType, connect, getpeername, getsockname, socket_with, sockopt};
 use std::net::SocketAddr;
-use std::os::fd::{AsFd, OwnedFd};
+use std::os::fd::OwnedFd;
 
 /// How long a server may take to answer, s.
 const PATIENCE_S: f64 = 5.0;
@@ -82,11 +82,11 @@ impl Transport for TcpClient {
         usize::from(self.connected)
     }
 
-    fn watch<'a>(&'a self, watch: &mut Watch<'a>) {
+    fn watch(&self, watch: &mut Watch) {
         if self.connected {
             self.stream.watch(watch);
         } else {
-            watch.add(self.stream.fd().as_fd(), true);
+            watch.add(self.stream.fd().clone(), true);
         }
     }
 

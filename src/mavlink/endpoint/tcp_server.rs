@@ -10,7 +10,8 @@ use crate::mavlink::trouble::Trouble;
 use crate::time::Time;
 use std::io::ErrorKind;
 use std::net::{SocketAddr, TcpListener, TcpStream};
-use std::os::fd::{AsFd, OwnedFd};
+use std::os::fd::OwnedFd;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// As many clients as are served.
@@ -38,7 +39,7 @@ struct Client {
 /// A server.
 #[derive(Debug)]
 pub struct TcpServer {
-    listener: TcpListener,
+    listener: Arc<TcpListener>,
     clients: Vec<Client>,
     /// No connection is taken before that.
     rest: Option<Time>,
@@ -53,7 +54,7 @@ impl TcpServer {
             Ok(listener)
         };
         let listener = open().map_err(|e: std::io::Error| Trouble::new(&e, at.port()))?;
-        Ok(Self { listener, clients: Vec::with_capacity(MAX_CLIENTS), rest: None })
+        Ok(Self { listener: Arc::new(listener), clients: Vec::with_capacity(MAX_CLIENTS), rest: None })
     }
 
     fn accept(&mut self, now: Time, health: &mut Health) {
@@ -96,6 +97,7 @@ impl TcpServer {
             let stays = act(&mut client.stream, health);
             if !stays {
                 health.say(now, format_args!("{} is gone", client.address));
+                health.watch_anew.set(true);
             }
             stays
         });
@@ -108,9 +110,9 @@ impl Transport for TcpServer {
         self.clients.len()
     }
 
-    fn watch<'a>(&'a self, watch: &mut Watch<'a>) {
+    fn watch(&self, watch: &mut Watch) {
         if self.rest.is_none() {
-            watch.add(self.listener.as_fd(), false);
+            watch.add(self.listener.clone(), false);
         }
         for client in &self.clients {
             client.stream.watch(watch);

@@ -9,7 +9,7 @@ use crate::mavlink::trouble::Trouble;
 use crate::time::Time;
 use std::io::{Error, ErrorKind};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
-use std::os::fd::AsFd;
+use std::sync::Arc;
 
 /// As many peers as a `udpin` endpoint serves.
 const MAX_PEERS: usize = 4;
@@ -25,7 +25,7 @@ const MAX_DRAINED: u32 = 256;
 
 /// `udpout`. Connected: the system then tells when nobody listens, and nobody else is heard.
 #[derive(Debug)]
-pub struct Out(UdpSocket);
+pub struct Out(Arc<UdpSocket>);
 
 impl Out {
     /// A socket to send there.
@@ -36,7 +36,7 @@ impl Out {
             // Without it a subnet's broadcast address is refused; others do not mind.
             socket.set_broadcast(to.is_ipv4())?;
             socket.connect(to)?;
-            Ok(Self(socket))
+            Ok(Self(Arc::new(socket)))
         };
         open().map_err(|e: Error| Trouble::new(&e, 0))
     }
@@ -47,8 +47,8 @@ impl Transport for Out {
         1
     }
 
-    fn watch<'a>(&'a self, watch: &mut Watch<'a>) {
-        watch.add(self.0.as_fd(), false);
+    fn watch(&self, watch: &mut Watch) {
+        watch.add(self.0.clone(), false);
     }
 
     /// A datagram that the other host refuses counts as sent, and as failed when that is known.
@@ -85,7 +85,7 @@ struct Peer {
 /// `udpin`.
 #[derive(Debug)]
 pub struct In {
-    socket: UdpSocket,
+    socket: Arc<UdpSocket>,
     peers: Vec<Peer>,
 }
 
@@ -93,7 +93,7 @@ impl In {
     /// A socket to listen at.
     pub fn open(at: SocketAddr) -> Result<Self, Trouble> {
         let socket = bind(at).map_err(|e| Trouble::new(&e, at.port()))?;
-        Ok(Self { socket, peers: Vec::with_capacity(MAX_PEERS) })
+        Ok(Self { socket: Arc::new(socket), peers: Vec::with_capacity(MAX_PEERS) })
     }
 }
 
@@ -102,8 +102,8 @@ impl Transport for In {
         self.peers.len()
     }
 
-    fn watch<'a>(&'a self, watch: &mut Watch<'a>) {
-        watch.add(self.socket.as_fd(), false);
+    fn watch(&self, watch: &mut Watch) {
+        watch.add(self.socket.clone(), false);
     }
 
     fn send(&mut self, now: Time, message: &[u8], health: &mut Health) -> Result<bool, Trouble> {
