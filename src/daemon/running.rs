@@ -92,7 +92,6 @@ impl Running {
         let inbox = Arc::new(Inbox::default());
         let mavlink = Arc::new(Switchboard::new(settings.clone(), Arc::clone(&inbox), control::hang_up));
         let desk = Arc::new(Desk::new(&loaded, Arc::clone(&mavlink)));
-        let publisher = Arc::new(Publisher::new(&mavlink));
         let mut publishers = Vec::new();
         if let Some(bus) = settings.dbus.bus.clone() {
             let (first, outcome) = sync_channel(1);
@@ -111,6 +110,8 @@ impl Running {
             settings.rate_hz,
             settings.method().as_str()
         );
+        // Not before it is known that no other daemon is there, whose signing time it would move on.
+        let publisher = Arc::new(Publisher::new(&mavlink));
         let sampling = Some(sample(settings, &shared, &taps, &inbox, &publisher)?);
         {
             let (publisher, shared, mavlink) = (Arc::clone(&publisher), Arc::clone(&shared), Arc::clone(&mavlink));

@@ -20,10 +20,10 @@ use std::time::Duration;
 /// How often the endpoints are tended.
 const TEND: Duration = Duration::from_millis(100);
 
-/// How late that may be, and a heartbeat: mostly it is done along with a frame, and wakes nobody.
+/// How late that may be, and a heartbeat, where no frame takes it along.
 const GRACE: Duration = Duration::from_millis(25);
 
-/// How late while frames come, which take it along.
+/// How late while frames come: they do it, and wake nobody.
 const LEISURE: Duration = Duration::from_millis(400);
 
 /// Frames come if the last was told of no longer ago, s.
@@ -59,7 +59,7 @@ struct Work {
 }
 
 impl Publisher {
-    /// With the switchboard's settings. Nothing is opened before [`run`](Self::run).
+    /// With the switchboard's settings, whose signing key is read here. No endpoint is opened before [`run`](Self::run).
     pub fn new(switchboard: &Switchboard) -> Self {
         Self(Mutex::new(Work {
             links: Vec::new(),
