@@ -22,40 +22,49 @@ pub struct LowContrast {
     accuracy: f64,
     low: Debounce,
     lowest_k: f64,
+    limit_k: f64,
 }
 
 impl LowContrast {
     /// With the least limit, K, and the accuracy wanted of one scan, rad.
     pub fn new(head: &Head, least_k: f64, accuracy: f64) -> Self {
-        Self {
+        let mut new = Self {
             head: head.clone(),
             noise: NoiseMeter::new(head),
             least_k,
             accuracy,
             low: Debounce::new(LASTS_S.0, LASTS_S.1),
             lowest_k: 0.0,
-        }
+            limit_k: 0.0,
+        };
+        new.find_limit();
+        new
     }
 
     /// Another least limit, K, and another accuracy wanted, rad.
     pub fn retune(&mut self, least_k: f64, accuracy: f64) {
         (self.least_k, self.accuracy) = (least_k, accuracy);
+        self.find_limit();
     }
 
     /// The contrast below which there is no attitude, K.
     pub fn limit_k(&self) -> f64 {
-        self.least_k.max(self.noise.pair_k(&self.head) / (PAIR_SLOPE * self.accuracy))
+        self.limit_k
+    }
+
+    fn find_limit(&mut self) {
+        self.limit_k = self.least_k.max(self.noise.pair_k(&self.head) / (PAIR_SLOPE * self.accuracy));
     }
 
     /// Takes in what was seen. A frame in which nothing was seen changes nothing.
     pub fn update(&mut self, solution: &Solution, frame: &Frame) -> State {
         self.noise.update(&self.head, frame);
+        self.find_limit();
         if let Some([x, y, z]) = solution.seen_k {
             let seen = (x * x + y * y + z * z).sqrt();
             // Both count: what is seen now, and the range that scales the angles.
             self.lowest_k = solution.contrast_k.map_or(seen, |c| seen.min(c.abs()));
-            let limit_k = self.limit_k();
-            let limit_k = if self.low.is_active() { HYSTERESIS * limit_k } else { limit_k };
+            let limit_k = if self.low.is_active() { HYSTERESIS * self.limit_k } else { self.limit_k };
             return self.low.update(self.lowest_k < limit_k, frame.time);
         }
         self.low.state()
@@ -63,7 +72,7 @@ impl LowContrast {
 
     /// Adds what is there to `faults`.
     pub fn report(&self, faults: &mut Vec<ActiveFault>) {
-        let evidence = Evidence::Limit { value: self.lowest_k, limit: self.limit_k(), unit: "K" };
+        let evidence = Evidence::Limit { value: self.lowest_k, limit: self.limit_k, unit: "K" };
         self.low.report(FaultKind::LowContrast, evidence, faults);
     }
 }

@@ -68,35 +68,37 @@ impl StuckSensors {
 
     /// Takes in a frame, and what the method makes of each sensor.
     pub fn update(&mut self, frame: &Frame, sensors: &[Hearing]) {
-        for i in 0..self.runs.len() {
-            let reading = self.head.reading_k(i, frame);
-            self.runs[i].extend(reading, frame.time);
-            for (j, run) in self.runs.iter_mut().enumerate().filter(|(j, _)| *j != i) {
-                if let (Some((k, _)), Some(seen)) = (reading, run.others.get_mut(i)) {
-                    let (least, most) = seen.unwrap_or((k, k));
-                    *seen = Some((least.min(k), most.max(k)));
-                }
-                debug_assert!(j != i);
+        let Self { head, runs, .. } = self;
+        for (i, run) in runs.iter_mut().enumerate() {
+            run.extend(head.reading_k(i, frame), frame.time);
+            // Most runs are over at the next reading: those need no witnesses.
+            if run.last > run.since {
+                run.watch(i, |j| head.reading_k(j, frame).map(|(k, _)| k));
             }
         }
-        let repeats = |run: &Run| run.reading_k.is_some() && run.last.since(run.since) >= self.after_s;
         for (run, repeating) in self.runs.iter().zip(&mut self.repeating) {
-            *repeating = repeats(run);
+            *repeating = run.reading_k.is_some() && run.last.since(run.since) >= self.after_s;
         }
-        let repeating = &self.repeating;
-        let count = repeating.iter().filter(|r| **r).count();
-        for (i, run) in self.runs.iter_mut().enumerate() {
-            let moved = |(j, seen): (usize, &Option<(f64, f64)>)| {
-                !repeating[j] && seen.is_some_and(|(least, most)| most - least > MOVED_K)
-            };
-            let others = run.others.iter().enumerate().filter(|(j, s)| moved((*j, s))).count();
+        for i in 0..self.runs.len() {
             let known = sensors.get(i).is_some_and(|h| h.standing == Standing::Stuck);
-            // Several at once are a head at rest; two that look apart are left as they are by a pure climb or roll.
-            let looks = |j: usize| self.head.sensors[j].direction;
-            let apart = count == 2 && (0..repeating.len()).any(|j| repeating[j] && looks(i).opposes(looks(j)));
-            let alone = repeating[i] && count <= OTHERS && !apart && others >= OTHERS && run.against > IMPROBABLE;
-            run.stuck.update(alone || (known && repeating[i] && run.against > DOUBTFUL), frame.time);
+            let stuck = self.repeating[i] && self.convicts(i, known);
+            self.runs[i].stuck.update(stuck, frame.time);
         }
+    }
+
+    /// Whether that sensor `i` repeats itself is more than chance; the method may have `known` that it should not.
+    fn convicts(&self, i: usize, known: bool) -> bool {
+        let (run, repeating) = (&self.runs[i], &self.repeating);
+        // Several at once are a head at rest; two that look apart are left as they are by a pure climb or roll.
+        let count = repeating.iter().filter(|r| **r).count();
+        let looks = |j: usize| self.head.sensors[j].direction;
+        let apart = || count == 2 && (0..repeating.len()).any(|j| repeating[j] && looks(i).opposes(looks(j)));
+        let moved = |(j, seen): (usize, &Option<(f64, f64)>)| {
+            !repeating[j] && seen.is_some_and(|(least, most)| most - least > MOVED_K)
+        };
+        let others = || run.others.iter().enumerate().filter(|(j, s)| moved((*j, s))).count();
+        let alone = run.against > IMPROBABLE && count <= OTHERS && !apart() && others() >= OTHERS;
+        alone || (known && run.against > DOUBTFUL)
     }
 
     /// Which sensors are stuck.
@@ -131,6 +133,16 @@ impl Run {
             self.others.fill(None);
         }
         self.last = self.last.max(time);
+    }
+
+    /// What the others than sensor `i` show meanwhile.
+    fn watch(&mut self, i: usize, shows_k: impl Fn(usize) -> Option<f64>) {
+        for (j, seen) in self.others.iter_mut().enumerate().filter(|(j, _)| *j != i) {
+            if let Some(k) = shows_k(j) {
+                let (least, most) = seen.unwrap_or((k, k));
+                *seen = Some((least.min(k), most.max(k)));
+            }
+        }
     }
 
     fn learn(&mut self, repeated: f64) {
