@@ -9,7 +9,10 @@ use crate::time::Time;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SensorKind {
     /// A temperature in one direction.
-    Absolute,
+    Absolute {
+        /// How much more it shows than the others of the same scene, K.
+        offset_k: f64,
+    },
     /// A voltage that is the difference of two opposed thermopiles.
     Pair {
         /// The voltage of a pair that sees no difference, V.
@@ -20,10 +23,18 @@ pub enum SensorKind {
 }
 
 impl SensorKind {
+    /// A temperature, as the sensor says it.
+    pub const ABSOLUTE: Self = Self::Absolute { offset_k: 0.0 };
+
+    /// Whether it gives a temperature rather than a difference.
+    pub fn is_absolute(self) -> bool {
+        matches!(self, Self::Absolute { .. })
+    }
+
     /// What `value` means, K or °C; `None` where it is of the other kind, or no number that can be.
     pub fn kelvin(self, value: Value) -> Option<f64> {
         let kelvin = match (value, self) {
-            (Value::Absolute { object_c, .. }, Self::Absolute) => object_c,
+            (Value::Absolute { object_c, .. }, Self::Absolute { offset_k }) => object_c - offset_k,
             (Value::Volts(v), Self::Pair { neutral_v, kelvin_per_v }) => (v - neutral_v) * kelvin_per_v,
             _ => return None,
         };
@@ -47,7 +58,7 @@ pub struct Sensor {
 impl Sensor {
     /// Whether it gives a temperature rather than a difference.
     pub fn is_absolute(&self) -> bool {
-        self.kind == SensorKind::Absolute
+        self.kind.is_absolute()
     }
 }
 
@@ -105,12 +116,12 @@ impl Head {
                 SensorKind::Pair { .. } => {
                     pairs.push(Pair { direction: a.direction, source: PairSource::Channel(i) });
                 }
-                SensorKind::Absolute => {
+                SensorKind::Absolute { .. } => {
                     let partner = sensors
                         .iter()
                         .enumerate()
                         .skip(i + 1)
-                        .find(|(_, b)| matches!(b.kind, SensorKind::Absolute) && a.direction.opposes(b.direction));
+                        .find(|(_, b)| b.is_absolute() && a.direction.opposes(b.direction));
                     if let Some((j, _)) = partner {
                         let (high, low) = if is_positive(a.direction) { (i, j) } else { (j, i) };
                         let direction = sensors[high].direction;
@@ -129,7 +140,7 @@ impl Head {
             .map(|(name, direction)| Sensor {
                 name: (*name).to_owned(),
                 direction: *direction,
-                kind: SensorKind::Absolute,
+                kind: SensorKind::ABSOLUTE,
                 bus: None,
             })
             .collect();
@@ -209,6 +220,18 @@ mod tests {
         assert_eq!(head.signal_k(1, &f), Ok(0.0));
         f.readings[2] = Ok(Sample { value: Value::Volts(1.0), time: Time::default() });
         assert_eq!(head.signal_k(1, &f), Err(Missing::Impossible));
+    }
+
+    #[test]
+    fn what_one_sensor_shows_too_much_is_taken_off() {
+        let mut head = Head::six();
+        head.sensors[0].kind = SensorKind::Absolute { offset_k: 0.5 };
+        head.sensors[1].kind = SensorKind::Absolute { offset_k: -0.25 };
+        let f = frame([-5.0, 10.0, -3.0, 8.0, -20.0, 15.0]);
+        assert_eq!(head.reading_k(0, &f), Some((-5.5, Time::default())));
+        assert_eq!(head.signal_k(0, &f), Ok(15.75));
+        assert_eq!(head.signal_k(1, &f), Ok(11.0));
+        assert!(head.sensors[0].is_absolute());
     }
 
     #[test]

@@ -38,7 +38,8 @@ fn settings() -> Settings {
 
 /// A configuration of one sensor, whose name is not a direction's.
 fn with_sensor() -> Settings {
-    let device = Mlx90614Settings { bus: "/dev/i2c-1".into(), address: 0x5a, object: 1, pec: PecPolicy::Auto };
+    let device =
+        Mlx90614Settings { bus: "/dev/i2c-1".into(), address: 0x5a, object: 1, pec: PecPolicy::Auto, offset_c: 0.0 };
     let device = DeviceSettings::Mlx90614(device);
     let belly = SensorSettings { name: "belly".into(), direction: Direction::DOWN, device, power: None };
     Settings { sensors: vec![belly], ..settings() }

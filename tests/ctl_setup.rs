@@ -6,6 +6,7 @@ mod process;
 mod setup_kit;
 
 use dbus_bus::Bus;
+use irhorizon::head::SensorKind;
 use process::Folder;
 use setup_kit::bus::{ADAPTER_HAS_PEC, Chip, WRITES, adc, cell, chips, mlx};
 use setup_kit::daemon::{LOOKS, RELOADS};
@@ -212,6 +213,51 @@ fn neutral_voltages_are_measured_of_each_pair() {
         let (code, _, err) = ctl(&line.replace("still", scene));
         assert!(code == 1 && err.contains(words), "{scene}: {err}");
     }
+}
+
+/// Three sensors of a head; with a kelvin that all warm up meanwhile.
+#[test]
+fn offsets_of_digital_sensors_are_measured_against_each_other() {
+    let folder = Folder::new();
+    let digital = |(i, name)| {
+        format!(
+            "[[sensor]]\nname = \"{name}\"\nkind = \"mlx90614\"\nbus = \"/dev/i2c-3\"\naddress = 0x{}\noffset-c = {}\n",
+            50 + i,
+            0.1 * f64::from(i)
+        )
+    };
+    let three: String = (0..).zip(["nose", "tail", "left"]).map(digital).collect();
+    let config = folder.write("irhorizon.toml", &(pairs() + &three)).display().to_string();
+    let line = format!("--bus fake:still calibrate neutral --yes --config {config}");
+    let (code, out, err) = ctl(&line);
+    assert_eq!(code, 0, "{err}");
+    // What was set before has no part in it: less the mean of 0.5, -0.25 and -0.1.
+    for words in [
+        "nose     +0.45 K ± 0.00 K against the others; offset +0.00 K before",
+        "tail     -0.30 K ± 0.00 K against the others; offset +0.10 K before",
+        "left     -0.15 K ± 0.00 K against the others; offset +0.20 K before",
+    ] {
+        assert!(out.contains(words), "{out}");
+    }
+    let settings = irhorizon::config::load(Path::new(&config)).unwrap().settings;
+    let offsets: Vec<_> = settings.head().sensors.iter().map(|s| s.kind).filter(|k| k.is_absolute()).collect();
+    assert_eq!(offsets, [0.45, -0.3, -0.15].map(|offset_k| SensorKind::Absolute { offset_k }));
+    assert!(
+        settings.head().sensors.iter().any(|s| s.kind == SensorKind::Pair { neutral_v: 1.652, kelvin_per_v: -40.0 })
+    );
+    for (scene, words) in [
+        ("blind", "tail gives nothing (bad-pec)"),
+        ("warm-hand", "nose shows +"),
+        ("swaying", "how far nose is from the others is known to ±"),
+    ] {
+        LOOKS.set(0);
+        let (code, _, err) = ctl(&line.replace("still", scene));
+        assert!(code == 1 && err.contains(words), "{scene}: {err}");
+    }
+    // One alone cannot be compared.
+    let one = folder.write("one.toml", &(pairs() + &digital((0, "nose")))).display().to_string();
+    let (code, out, err) = ctl(&format!("--bus fake:still calibrate neutral --yes --config {one}"));
+    assert!(code == 0 && out.contains("vert") && !out.contains("nose"), "{out} {err}");
 }
 
 #[test]

@@ -156,6 +156,7 @@ fn ranges_are_those_of_the_parser() {
                 format!("[[sensor]]\nname = \"long\"\n{direction}\n")
             }
             ("sensor", "line") => "[[sensor]]\nname = \"long\"\ndata-ready = { chip = \"a\", line = 99999 }\n".into(),
+            ("sensor", "offset-c") => "[[sensor]]\nname = \"nose\"\noffset-c = 9\n".into(),
             ("sensor", _) => format!("[[sensor]]\nname = \"long\"\n{key} = 99999999\n"),
             _ => format!("[{section}]\n{key} = 99999999\n"),
         };

@@ -114,7 +114,7 @@ fn turned_head(axis: Direction, turn_deg: f64) -> Head {
     let sensor = |(name, d): &(&str, Direction)| Sensor {
         name: (*name).to_owned(),
         direction: turn(*d),
-        kind: SensorKind::Absolute,
+        kind: SensorKind::ABSOLUTE,
         bus: None,
     };
     Head::new(Direction::NAMED.iter().map(sensor).collect(), Vec::new())

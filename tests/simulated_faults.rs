@@ -228,7 +228,7 @@ fn looking(at: &[(f64, f64)], texts: &[&str]) -> Vec<f64> {
     let sensor = |(azimuth_deg, elevation_deg): &(f64, f64)| Sensor {
         name: "s".into(),
         direction: Direction::from_angles(*azimuth_deg, *elevation_deg).unwrap(),
-        kind: SensorKind::Absolute,
+        kind: SensorKind::ABSOLUTE,
         bus: None,
     };
     let head = Head::new(at.iter().map(sensor).collect(), vec![]);

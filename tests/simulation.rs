@@ -107,7 +107,7 @@ fn a_head_turned_on_the_airframe_sees_what_a_turned_airframe_sees() {
     let turned = |azimuth: f64| Sensor {
         name: "s".into(),
         direction: Direction::from_angles(azimuth, 0.0).unwrap(),
-        kind: SensorKind::Absolute,
+        kind: SensorKind::ABSOLUTE,
         bus: None,
     };
     for (roll, pitch) in [(0.0, 0.0), (30.0, 0.0), (-20.0, 35.0), (140.0, -10.0)] {

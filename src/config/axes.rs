@@ -6,7 +6,7 @@ use super::settings::{Method, Settings};
 use super::source::Place;
 use crate::direction::Direction;
 use crate::estimator::suits::{self, FieldLack};
-use crate::head::{Head, Sensor, SensorKind};
+use crate::head::{Head, Sensor};
 
 /// Checks the head against its method; `said` is where that was chosen.
 pub fn check(settings: &Settings, sensors: &Sensors<'_>, said: Option<Place>, findings: &Findings<'_>) {
@@ -97,7 +97,7 @@ fn pairs(head: &Head, method: Method, sensors: &Sensors<'_>, findings: &Findings
 
 /// What to add for a pair along `axis`.
 fn advice(head: &Head, axis: Direction) -> String {
-    let absolute = |s: &&crate::head::Sensor| s.kind == SensorKind::Absolute;
+    let absolute = |s: &&crate::head::Sensor| s.is_absolute();
     let looks = |d: Direction| head.sensors.iter().filter(absolute).any(|s| s.direction.dot(d.components()) > 0.999);
     let other = axis.opposite();
     match (looks(axis), looks(other)) {

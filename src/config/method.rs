@@ -1,7 +1,7 @@
 //! The methods of estimation: their names, which is usual for a head, what each needs.
 
 use crate::estimator::suits;
-use crate::head::{Head, SensorKind};
+use crate::head::Head;
 
 /// A method of estimation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ impl Method {
     /// The method for `head` when none is chosen: `field` where every sensor shows a temperature of
     /// its own, `profile` where any is a pair.
     pub fn usual(head: &Head) -> Self {
-        let absolute = head.sensors.iter().all(|s| s.kind == SensorKind::Absolute);
+        let absolute = head.sensors.iter().all(|s| s.is_absolute());
         if absolute { Self::Field } else { Self::Profile }
     }
 

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 const MOST: usize = 32;
 /// The longest name of a sensor, characters.
 const NAME_LENGTH: usize = 24;
-const MLX_KEYS: [&str; 2] = ["object", "pec"];
+const MLX_KEYS: [&str; 3] = ["object", "pec", "offset-c"];
 const ADS_KEYS: [&str; 7] = ["input", "gain-v", "data-rate-sps", "mode", "neutral-v", "kelvin-per-v", "data-ready"];
 
 /// A sensor with the places that checks across sensors point at.
@@ -124,7 +124,8 @@ fn mlx90614(s: &mut Section<'_>, bus: Option<PathBuf>) -> Option<Mlx90614Setting
     let object = s.integer("object", 1, 2, "1, or 2 of a part with two fields of view").unwrap_or(1);
     let policies = [("auto", PecPolicy::Auto), ("required", PecPolicy::Required), ("off", PecPolicy::Off)];
     let pec = s.choice("pec", &policies).unwrap_or_default();
-    Some(Mlx90614Settings { bus: bus?, address: address?, object: u8::try_from(object).ok()?, pec })
+    let offset_c = s.range("offset-c", -5.0, 5.0, " K").unwrap_or(0.0);
+    Some(Mlx90614Settings { bus: bus?, address: address?, object: u8::try_from(object).ok()?, pec, offset_c })
 }
 
 fn ads1115(s: &mut Section<'_>, bus: Option<PathBuf>) -> Option<Ads1115Settings> {

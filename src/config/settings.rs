@@ -55,7 +55,7 @@ impl Settings {
                     buses.len() - 1
                 });
                 let kind = match &s.device {
-                    DeviceSettings::Mlx90614(_) => SensorKind::Absolute,
+                    DeviceSettings::Mlx90614(m) => SensorKind::Absolute { offset_k: m.offset_c },
                     DeviceSettings::Ads1115(a) => {
                         SensorKind::Pair { neutral_v: a.neutral_v, kelvin_per_v: a.kelvin_per_v }
                     }

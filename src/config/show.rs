@@ -96,7 +96,7 @@ fn sensor(out: &mut Out, s: &SensorSettings) {
     out.header("[[sensor]]");
     out.set("name", string(&s.name));
     match &s.device {
-        DeviceSettings::Mlx90614(Mlx90614Settings { bus, address, object, pec }) => {
+        DeviceSettings::Mlx90614(Mlx90614Settings { bus, address, object, pec, offset_c }) => {
             out.set("kind", string("mlx90614"));
             out.set("bus", string(&bus.to_string_lossy()));
             out.set("address", format_args!("{address:#04x}"));
@@ -107,6 +107,7 @@ fn sensor(out: &mut Out, s: &SensorSettings) {
                 PecPolicy::Off => "off",
             };
             out.set("pec", string(policy));
+            out.set("offset-c", offset_c);
         }
         DeviceSettings::Ads1115(a) => {
             let Ads1115Settings { bus, address, input, gain_v, data_rate_sps, .. } = a;

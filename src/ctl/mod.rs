@@ -10,7 +10,7 @@
 //! - [`setup_args`]: the words of the commands that set a head up and look after it.
 //! - [`doctor`]: what is wrong with an installation, and the next step.
 //! - [`set_address`]: another address for an MLX90614.
-//! - [`calibrate`]: trims and neutral voltages measured; [`save`](crate::save): files that no power cut leaves torn.
+//! - [`calibrate`]: trims, neutral voltages and offsets measured; [`save`](crate::save): files that no power cut leaves torn.
 //! - [`wait`]: until attitude is given.
 //! - [`trim`]: the head's trim as configuration.
 //! - [`simulate`]: recordings of flights that never were.

@@ -66,7 +66,7 @@ pub enum Quantity {
     /// The trims of roll and pitch, with the aircraft level outdoors
     #[default]
     Level,
-    /// The neutral voltages of analogue pairs, with the head covered
+    /// What each pair, or digital sensor, shows when all sides are the same, with the head covered
     Neutral,
 }
 

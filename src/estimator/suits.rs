@@ -36,7 +36,7 @@ pub enum FieldLack {
 /// `field`: as many sensors as its filter takes, and as it has unknowns: attitude, contrast and, with
 /// absolute sensors, the ground and something of the sky's shape.
 pub fn field(head: &Head) -> Result<(), FieldLack> {
-    let absolute = || head.sensors.iter().filter(|s| s.kind == SensorKind::Absolute);
+    let absolute = || head.sensors.iter().filter(|s| s.is_absolute());
     let count = absolute().count();
     let needed = if count > 0 { 5 } else { 3 };
     match head.sensors.len() {
@@ -53,7 +53,7 @@ pub fn field(head: &Head) -> Result<(), FieldLack> {
     for sensor in &head.sensors {
         let b = sensor.direction.components();
         normal.add_vector(match sensor.kind {
-            SensorKind::Absolute => std::array::from_fn(|i| b[i] - sum[i] / count as f64),
+            SensorKind::Absolute { .. } => std::array::from_fn(|i| b[i] - sum[i] / count as f64),
             SensorKind::Pair { .. } => b,
         });
     }
@@ -99,18 +99,18 @@ mod tests {
     #[test]
     fn field_needs_as_many_as_it_has_unknowns_and_takes_no_more_than_eight() {
         let ways = [(0.0, 0.0), (90.0, 0.0), (180.0, 0.0), (270.0, 0.0), (0.0, 90.0), (0.0, -90.0)];
-        assert_eq!(field(&head(SensorKind::Absolute, &ways[..4])), Err(FieldLack::TooFew { needed: 5 }));
+        assert_eq!(field(&head(SensorKind::ABSOLUTE, &ways[..4])), Err(FieldLack::TooFew { needed: 5 }));
         assert_eq!(field(&head(PAIR, &ways[..2])), Err(FieldLack::TooFew { needed: 3 }));
         assert_eq!(field(&Head::default()), Err(FieldLack::TooFew { needed: 3 }));
         let many: Vec<_> = ways.iter().chain(&ring(3, 45.0)).copied().collect();
-        assert!(field(&head(SensorKind::Absolute, &many[..8])).is_ok());
-        assert_eq!(field(&head(SensorKind::Absolute, &many)), Err(FieldLack::TooMany { most: 8 }));
+        assert!(field(&head(SensorKind::ABSOLUTE, &many[..8])).is_ok());
+        assert_eq!(field(&head(SensorKind::ABSOLUTE, &many)), Err(FieldLack::TooMany { most: 8 }));
     }
 
     #[test]
     fn absolute_sensors_on_a_cone_cannot_tell_a_tilt_from_the_ground() {
         for elevation in [0.0, 30.0, 60.0] {
-            assert_eq!(field(&head(SensorKind::Absolute, &ring(6, elevation))), Err(FieldLack::Flat), "{elevation}");
+            assert_eq!(field(&head(SensorKind::ABSOLUTE, &ring(6, elevation))), Err(FieldLack::Flat), "{elevation}");
         }
         // Pairs can: theirs is a difference.
         assert!(field(&head(PAIR, &ring(3, 45.0))).is_ok());
@@ -118,12 +118,12 @@ mod tests {
         // And one that looks another way is enough.
         let mut angles = ring(5, 30.0);
         angles.push((0.0, 90.0));
-        assert!(field(&head(SensorKind::Absolute, &angles)).is_ok());
+        assert!(field(&head(SensorKind::ABSOLUTE, &angles)).is_ok());
     }
 
     #[test]
     fn a_mixed_head_is_good_when_it_spans() {
-        let mut mixed = head(SensorKind::Absolute, &ring(4, 0.0)).sensors;
+        let mut mixed = head(SensorKind::ABSOLUTE, &ring(4, 0.0)).sensors;
         mixed.extend(head(PAIR, &[(0.0, 90.0)]).sensors);
         let mixed = Head::new(mixed, Vec::new());
         assert!(field(&mixed).is_ok() && profile(&mixed) && inverse_sine(&mixed));

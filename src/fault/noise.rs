@@ -81,7 +81,7 @@ mod tests {
             for (head, expected) in [
                 (Head::six(), noise_k * 2_f64.sqrt()),
                 (alike(3, volts), noise_k),
-                (alike(16, SensorKind::Absolute), noise_k * 2_f64.sqrt()),
+                (alike(16, SensorKind::ABSOLUTE), noise_k * 2_f64.sqrt()),
             ] {
                 let found = measured(&head, noise_k, 0.02);
                 assert!((found / expected - 1.0).abs() < 0.2, "{expected} K found as {found} K");

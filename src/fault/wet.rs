@@ -8,7 +8,7 @@ mod film;
 use super::{ActiveFault, FaultKind};
 use crate::estimator::Solution;
 use crate::frame::{Frame, Value};
-use crate::head::Head;
+use crate::head::{Head, SensorKind};
 use everywhere::Everywhere;
 use film::Film;
 
@@ -17,7 +17,7 @@ use film::Film;
 #[derive(Clone, Debug)]
 pub struct WetSensors {
     limit: f64,
-    films: Vec<Film>,
+    films: Vec<(SensorKind, Film)>,
     absolute: bool,
     last_s: Option<f64>,
     everywhere: Everywhere,
@@ -28,7 +28,7 @@ impl WetSensors {
     pub fn new(head: &Head, limit: f64) -> Self {
         Self {
             limit,
-            films: vec![Film::default(); head.sensors.len()],
+            films: head.sensors.iter().map(|s| (s.kind, Film::default())).collect(),
             absolute: head.sensors.iter().all(crate::head::Sensor::is_absolute),
             last_s: None,
             everywhere: Everywhere::default(),
@@ -47,9 +47,13 @@ impl WetSensors {
         let dt_s = self.last_s.replace(now_s).map_or(0.0, |last| (now_s - last).clamp(0.0, 1.0));
         let mut apart_k = Some(0.0);
         let mut range_c = (f64::INFINITY, f64::NEG_INFINITY);
-        for (i, film) in self.films.iter_mut().enumerate() {
+        for (i, (kind, film)) in self.films.iter_mut().enumerate() {
             let value = frame.readings.get(i).and_then(|r| r.ok()).map(|s| s.value);
-            let Some(Value::Absolute { object_c, ambient_c }) = value else {
+            let shown = value.and_then(|value| match value {
+                Value::Absolute { ambient_c, .. } => Some((kind.kelvin(value)?, ambient_c)),
+                Value::Volts(_) => None,
+            });
+            let Some((object_c, ambient_c)) = shown else {
                 apart_k = None;
                 continue;
             };
@@ -72,7 +76,7 @@ impl WetSensors {
 
     /// Adds what is there to `faults`.
     pub fn report(&self, faults: &mut Vec<ActiveFault>) {
-        for (i, film) in self.films.iter().enumerate() {
+        for (i, (_, film)) in self.films.iter().enumerate() {
             let kind = FaultKind::WetSensor(i);
             if self.all() {
                 self.everywhere.report(kind, faults);

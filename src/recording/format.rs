@@ -55,7 +55,7 @@ impl Column {
         let place = |list: &[&str]| list.iter().position(|n| *n == name);
         let sensor = |end: &str, absolute: bool| {
             let stem = name.strip_suffix(end)?;
-            head.sensors.iter().position(|s| s.name == stem && absolute == matches!(s.kind, SensorKind::Absolute))
+            head.sensors.iter().position(|s| s.name == stem && absolute == s.is_absolute())
         };
         if name == TIME {
             return Self::Time;
@@ -76,7 +76,7 @@ pub fn head_of<'a>(header: impl Iterator<Item = &'a str>) -> Option<Head> {
         .filter_map(|name| {
             let name = name.strip_suffix(OBJECT)?;
             let direction = Direction::named(name)?;
-            Some(Sensor { name: name.to_owned(), direction, kind: SensorKind::Absolute, bus: None })
+            Some(Sensor { name: name.to_owned(), direction, kind: SensorKind::ABSOLUTE, bus: None })
         })
         .collect();
     if sensors.is_empty() { None } else { Some(Head::new(sensors, Vec::new())) }

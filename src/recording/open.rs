@@ -107,7 +107,7 @@ impl<R: BufRead> Recording<R> {
             }
         }
         let wanted = |i: usize| match head.sensors[i].kind {
-            SensorKind::Absolute => (Column::Object(i), format!("{}{}", head.sensors[i].name, format::OBJECT)),
+            SensorKind::Absolute { .. } => (Column::Object(i), format!("{}{}", head.sensors[i].name, format::OBJECT)),
             SensorKind::Pair { .. } => (Column::Volts(i), format!("{}{}", head.sensors[i].name, format::VOLTS)),
         };
         let absent: Vec<_> = (0..head.sensors.len())

@@ -213,7 +213,7 @@ impl<R: BufRead> Reader<R> {
             |((value, ambient_c), sensor)| {
                 value.map(|v| Sample {
                     value: match sensor.kind {
-                        SensorKind::Absolute => Value::Absolute { object_c: v, ambient_c: *ambient_c },
+                        SensorKind::Absolute { .. } => Value::Absolute { object_c: v, ambient_c: *ambient_c },
                         SensorKind::Pair { .. } => Value::Volts(v),
                     },
                     time,

@@ -32,7 +32,7 @@ impl Writer {
         header.push_str(TIME);
         for sensor in &head.sensors {
             let ends: &[&str] = match sensor.kind {
-                SensorKind::Absolute => &[OBJECT, AMBIENT],
+                SensorKind::Absolute { .. } => &[OBJECT, AMBIENT],
                 SensorKind::Pair { .. } => &[VOLTS],
             };
             for end in ends {
@@ -43,7 +43,7 @@ impl Writer {
             header.extend([",", name]);
         }
         header.push('\n');
-        let absolute = head.sensors.iter().map(|s| matches!(s.kind, SensorKind::Absolute)).collect();
+        let absolute = head.sensors.iter().map(|s| s.is_absolute()).collect();
         Self { absolute, header }
     }
 

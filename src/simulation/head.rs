@@ -116,10 +116,10 @@ impl SimulatedHead {
         let Sensor { direction, kind, lag, noise, effects, .. } = &mut self.sensors[index];
         let added = self.noise_k * noise.normal() + effects.offset_k(self.time_s);
         let value = match *kind {
-            SensorKind::Absolute => {
+            SensorKind::Absolute { offset_k } => {
                 let seen = effects.seen(view.sensor_c(*direction), self.die_c, self.time_s, dt_s);
                 let seen = lag.update(seen, dt_s);
-                Value::Absolute { object_c: as_read(seen + added), ambient_c: Some(as_read(self.die_c)) }
+                Value::Absolute { object_c: as_read(seen + added + offset_k), ambient_c: Some(as_read(self.die_c)) }
             }
             SensorKind::Pair { neutral_v, kelvin_per_v } => {
                 // Water on both sides of a pair leaves no difference.

@@ -199,9 +199,9 @@ impl Control for Fake {
 pub fn info() -> ServiceInfo {
     let sensor = |name: &str, direction, kind| Sensor { name: name.into(), direction, kind, bus: Some(0) };
     let sensors = vec![
-        sensor("nose", Direction::NOSE, SensorKind::Absolute),
+        sensor("nose", Direction::NOSE, SensorKind::ABSOLUTE),
         sensor("long", Direction::TAIL, SensorKind::Pair { neutral_v: 0.0, kelvin_per_v: 40.0 }),
-        sensor("down", Direction::DOWN, SensorKind::Absolute),
+        sensor("down", Direction::DOWN, SensorKind::ABSOLUTE),
     ];
     let info = |name: &str, kind, address| SensorInfo {
         name: name.into(),

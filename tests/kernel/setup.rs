@@ -1,8 +1,10 @@
-//! doctor and set-address on a kernel's bus, without a daemon.
+//! doctor and set-address on a kernel's bus, without a daemon; a covered head calibrated with one.
 
 use crate::adapter::{Adapter, Chip};
-use crate::mlx::{NAMES, SixMlx, word};
-use crate::rig::{CTL, Folder};
+use crate::mlx::{ADDRESSES, NAMES, SixMlx, word};
+use crate::rig::{CTL, Daemon, Folder};
+use crate::sky::six_c;
+use rustix::process::Signal;
 use serde_json::Value;
 use std::fs;
 use std::process::{Command, Output};
@@ -88,4 +90,31 @@ fn doctor_says_what_is_missing() {
     assert_eq!(bus.path, path);
     let silent = of(&findings(&bus), "answers");
     assert_eq!(silent.iter().filter(|(_, verdict)| verdict == "fail").count(), 5, "{silent:?}");
+}
+
+/// From the start on there is nothing to be seen: what is compared are the sensors, not the attitude.
+#[test]
+fn a_covered_head_tells_what_each_sensor_shows_too_much() {
+    let bus = Adapter::stub(&ADDRESSES);
+    let mut six = SixMlx::new(&bus);
+    let too_much = [0.6, -0.6, -0.4, 0.4, 0.3, -0.3];
+    let show = |six: &mut SixMlx, scene_c: [f64; 6]| six.write(std::array::from_fn(|i| word(scene_c[i] + too_much[i])));
+    // In whole steps of 0.02 K.
+    show(&mut six, [20.85; 6]);
+    let mut daemon = Daemon::start(&SixMlx::config(&bus));
+    let config = daemon.folder.path("irhorizon.toml").display().to_string();
+    let output = daemon.ctl(&["calibrate", "neutral", "--yes", "--seconds", "4", "--config", &config]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}\n{}", daemon.said());
+    let saved = fs::read_to_string(daemon.folder.path("irhorizon.toml.d/50-neutral.toml")).unwrap();
+    for (name, offset) in NAMES.iter().zip(too_much) {
+        assert!(saved.contains(&format!("name = \"{name}\"\noffset-c = {offset:.2}\n")), "{saved}");
+    }
+    // Taken up at once: level is level.
+    show(&mut six, six_c(0.0, 0.0));
+    let status =
+        daemon.until("level", |s| s["mode"] == "nominal" && s["roll_deg"].as_f64().is_some_and(|d| d.abs() < 0.3));
+    assert!(status["pitch_deg"].as_f64().unwrap().abs() < 0.3, "{status}");
+    daemon.signal(Signal::TERM);
+    assert!(daemon.ended().success(), "{}", daemon.said());
 }

@@ -10,6 +10,9 @@ thread_local! {
     pub static RELOADS: Cell<usize> = const { Cell::new(0) };
 }
 
+/// Digital sensors, with what each shows too much, K.
+const DIGITAL: [(&str, f64); 3] = [("nose", 0.5), ("tail", -0.25), ("left", -0.1)];
+
 /// A daemon whose bus address says what it answers.
 pub struct Fake(pub String);
 
@@ -39,6 +42,16 @@ impl Daemon for Fake {
             ..Sensor::default()
         };
         s.sensors = vec![pair("long", 1.652), pair("lat", -0.004), pair("vert", 0.0)];
+        // The head warms up by a kelvin in ten seconds.
+        let digital = |(name, offset): (&str, f64)| Sensor {
+            name: name.into(),
+            kind: "mlx90614".into(),
+            bus: "/dev/i2c-3".into(),
+            state: "ok".into(),
+            object_c: Some(21.0 + 0.01 * look as f64 + offset + noise),
+            ..Sensor::default()
+        };
+        s.sensors.extend(DIGITAL.map(digital));
         match self.0.as_str() {
             "fake:still" => {}
             "fake:published" => s.method = "inverse-sine".into(),
@@ -49,6 +62,9 @@ impl Daemon for Fake {
             "fake:unsure" => s.roll_sigma_deg = Some(9.0),
             "fake:tilted" => s.roll_deg = Some(31.0),
             "fake:silent" => (s.sensors[1].volts, s.sensors[1].state) = (None, "saturated".into()),
+            "fake:warm-hand" => s.sensors[3].object_c = Some(30.0),
+            "fake:swaying" => s.sensors[3].object_c = Some(21.0 + look as f64 * 0.03),
+            "fake:blind" => (s.sensors[4].object_c, s.sensors[4].state) = (None, "bad-pec".into()),
             "fake:uncovered" => s.sensors[0].volts = Some(1.65 + look as f64 * 0.002),
             "fake:stuck" => s.sample_time_usec = 1,
             other => return Err(DaemonError::Absent(format!("no irhorizond on {other}").into())),

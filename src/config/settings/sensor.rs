@@ -54,6 +54,8 @@ pub struct Mlx90614Settings {
     pub object: u8,
     /// What to do about the packet error code.
     pub pec: PecPolicy,
+    /// How much more it shows than the head's others of the same scene, K.
+    pub offset_c: f64,
 }
 
 /// What to do about the packet error code of an MLX90614.

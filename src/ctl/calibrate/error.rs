@@ -48,10 +48,35 @@ pub enum CalibrateError {
     /// Too few measurements came.
     #[error("too few measurements came: see irhorizonctl doctor, or try longer: --seconds")]
     TooFew,
-    /// There is no analogue pair.
-    #[error("the configuration has no ads1115: only analogue pairs have a neutral voltage")]
-    NoPairs,
-    /// A pair gives nothing.
+    /// It is not known well enough.
+    #[error("{what} is known to ±{error:.2} K, not to {limit}: keep it covered and still, or try longer: --seconds")]
+    Unsure {
+        /// What.
+        what: String,
+        /// Its standard error, K.
+        error: f64,
+        /// The limit, K.
+        limit: f64,
+    },
+    /// Sensors see different things.
+    #[error(
+        "{sensor} shows {apart:+.1} K against the others, more than ±{limit}: does all of the head see the same, and does \
+         nothing warm touch it?"
+    )]
+    NotCovered {
+        /// Which.
+        sensor: String,
+        /// How far apart, K.
+        apart: f64,
+        /// The limit, K.
+        limit: f64,
+    },
+    /// There is no analogue pair, and nothing to compare digital sensors with.
+    #[error(
+        "the configuration has no ads1115, and no two mlx90614 to compare: there is nothing neutral to be measured"
+    )]
+    NothingNeutral,
+    /// A sensor gives nothing.
     #[error("{sensor} gives nothing ({why}); see irhorizonctl sensors")]
     Silent {
         /// Which.

@@ -1,8 +1,8 @@
-//! `calibrate`: what the head shows when it is level, and what analogue pairs give when they see no difference,
-//! measured through the daemon and saved as a drop-in.
+//! `calibrate`: what the head shows when it is level, and what its sensors show when all sides are the same, measured
+//! through the daemon and saved as a drop-in.
 //!
 //! - `average`: means with their standard errors; pure;
-//! - `level`: the trims; `neutral`: the neutral voltages;
+//! - `level`: the trims; `neutral`: neutral voltages and offsets;
 //! - `drop_in`: saved whole, checked before, brought back;
 //! - `error`: why nothing was measured or saved.
 

@@ -50,7 +50,7 @@ pub struct Scene {
     pub ground_c: f64,
     /// A vertical pair's signal, K.
     pub contrast_k: f64,
-    /// The logarithm of the sky's depth.
+    /// The logarithm of the sky's depth, as [`Family`] counts it.
     pub ln_depth: f64,
     /// The share of averaging in radiance.
     pub radiance: f64,
@@ -73,7 +73,7 @@ impl Model {
 
     /// Whether any sensor shows a temperature of its own, from which the ground's can be told.
     pub fn is_absolute(&self) -> bool {
-        self.channels.iter().any(|c| c.kind == SensorKind::Absolute)
+        self.channels.iter().any(|c| c.kind.is_absolute())
     }
 
     /// Where sensor `i` looks.
@@ -99,7 +99,7 @@ impl Model {
         let by_turn = |slope: f64| cross(direction, up.map(|c| slope * c));
         let by_lean = |slope: f64| [north, west].map(|level| -slope * dot(direction, *level));
         match kind {
-            SensorKind::Absolute => {
+            SensorKind::Absolute { .. } => {
                 let slope = -scene.contrast_k * high.by_sine;
                 Seen {
                     value: scene.ground_c - scene.contrast_k * high.value,

@@ -64,7 +64,7 @@ fn solution() -> impl Strategy<Value = Solution> {
 fn head() -> impl Strategy<Value = Head> {
     let volts = SensorKind::Pair { neutral_v: 1.6, kelvin_per_v: -40.0 };
     let mixed = move |count: usize| {
-        let mut sensors = alike(count, SensorKind::Absolute).sensors;
+        let mut sensors = alike(count, SensorKind::ABSOLUTE).sensors;
         for (i, sensor) in sensors.iter_mut().enumerate() {
             (sensor.direction, sensor.bus) = (Direction::NAMED[i % 6].1, Some(i % 2));
             if i % 3 == 2 {
@@ -74,7 +74,7 @@ fn head() -> impl Strategy<Value = Head> {
         Head::new(sensors, vec!["/dev/i2c-1".into(), "/dev/i2c-2".into()])
     };
     let of_kind = move |count| {
-        prop_oneof![Just(alike(count, SensorKind::Absolute)), Just(alike(count, volts)), Just(mixed(count))]
+        prop_oneof![Just(alike(count, SensorKind::ABSOLUTE)), Just(alike(count, volts)), Just(mixed(count))]
     };
     prop_oneof![2 => Just(Head::six()), 1 => (0..=16_usize).prop_flat_map(of_kind)]
 }

@@ -82,6 +82,7 @@ mod tests {
                 address: 0x10 + i as u8,
                 object: 1,
                 pec: PecPolicy::Auto,
+                offset_c: 0.1 * i as f64,
             });
             let angle = i as f64;
             let direction = Direction::from_angles(angle * 61.1, (angle * 17.3).sin() * 50.0).unwrap();

@@ -4,7 +4,7 @@ use crate::head::{Sensor, SensorKind};
 use proptest::prelude::*;
 
 fn mlx(name: &str, bus: &str, address: u8, direction: Direction) -> SensorSettings {
-    let device = Mlx90614Settings { bus: bus.into(), address, object: 1, pec: PecPolicy::Auto };
+    let device = Mlx90614Settings { bus: bus.into(), address, object: 1, pec: PecPolicy::Auto, offset_c: 0.0 };
     SensorSettings { name: name.into(), direction, device: DeviceSettings::Mlx90614(device), power: None }
 }
 
@@ -36,7 +36,7 @@ fn head(sensors: &[SensorSettings]) -> Head {
             buses.push(path);
             buses.len() - 1
         });
-        Sensor { name: s.name.clone(), direction: s.direction, kind: SensorKind::Absolute, bus: Some(bus) }
+        Sensor { name: s.name.clone(), direction: s.direction, kind: SensorKind::ABSOLUTE, bus: Some(bus) }
     });
     let nouns = nouns.collect();
     Head::new(nouns, buses)
