@@ -1,20 +1,29 @@
 //! One table for a whole family of skies, so that the sky's shape can be estimated.
 //!
 //! A plane-parallel grey atmosphere whose optical depth is free comes within 0.1 K of every sky of
-//! 40 K contrast that was tried: the report's exponentials with k from 5.5 to 12 (0.15 K at k = 2),
-//! dry to overcast, averaged in temperature or in radiance.
+//! 40 K contrast that was tried: the report's exponentials with k from 3.5 to 160 (0.15 K at k = 2),
+//! dry to overcast, averaged in temperature or in radiance. With next to no depth it is a dome of one temperature, as
+//! the base of a closed cloud is.
 
 use super::{FieldOfView, Shape};
 
-/// Natural logarithms of the optical depths at the table's ends.
-pub const LN_DEPTH: (f64, f64) = (-3.5, 1.4);
-const DEPTHS: usize = 24;
+/// The table's ends: natural logarithms of the optical depth. Below [`DRY`] each step stands for [`DRY_STEPS`] of them, as
+/// there less and less changes.
+pub const LN_DEPTH: (f64, f64) = (DRY - MORE as f64 * STEP, HUMID);
+/// Where dry air begins.
+pub const DRY: f64 = -3.5;
+const HUMID: f64 = 1.4;
+/// How much more a step is there.
+pub const DRY_STEPS: f64 = 3.0;
+/// Entries for it.
+const MORE: usize = 6;
+const DEPTHS: usize = 24 + MORE;
 const ELEVATIONS: usize = 181;
 /// Steps of the sine of elevation while the table is being made.
 const SINES: usize = 512;
 
 /// What a sensor sees of a grey atmosphere, against its axis' elevation and the logarithm of the
-/// atmosphere's optical depth.
+/// atmosphere's optical depth, as [`LN_DEPTH`] says.
 ///
 /// Normalised: 0 with the axis straight down, 1 with it straight up. A sensor shows
 /// `ground − contrast·level`, `contrast` being what a vertical pair shows.
@@ -44,7 +53,7 @@ impl Family {
     /// Makes the table, in a few milliseconds.
     pub fn new(field: FieldOfView) -> Self {
         let nodes = field.nodes();
-        let depths: Vec<f64> = (0..DEPTHS).map(|i| ln_depth(i).exp()).collect();
+        let depths: Vec<f64> = (0..DEPTHS).map(depth).collect();
         let deficits: Vec<[f64; DEPTHS]> = (0..=SINES)
             .map(|i| {
                 let s = i as f64 / SINES as f64;
@@ -114,22 +123,26 @@ impl Family {
 pub const RADIANCE_K: f64 = 40.0;
 const GROUND_K: f64 = 283.0;
 /// The depth for which it is made: about 0.3.
-const MIDDLE: usize = 11;
+const MIDDLE: usize = 11 + MORE;
 
-const STEP: f64 = (LN_DEPTH.1 - LN_DEPTH.0) / (DEPTHS - 1) as f64;
+const STEP: f64 = (HUMID - DRY) / (DEPTHS - MORE - 1) as f64;
 
-fn ln_depth(i: usize) -> f64 {
-    LN_DEPTH.0 + i as f64 * STEP
+/// The optical depth of an entry.
+fn depth(i: usize) -> f64 {
+    let ln = LN_DEPTH.0 + i as f64 * STEP;
+    (if ln < DRY { DRY + DRY_STEPS * (ln - DRY) } else { ln }).exp()
 }
 
 /// 0 at its beginning, 1 at its end, never falling.
 fn normalise(row: &mut [f64; ELEVATIONS]) {
     let (down, up) = (row[0], row[ELEVATIONS - 1]);
     let mut least = 0.0_f64;
-    for v in row {
+    for v in row.iter_mut() {
         least = least.max((*v - down) / (up - down));
         *v = least;
     }
+    // Looking down, the outermost nodes see the first of a dry sky all at once: not so fast that cubics overshoot.
+    row[1] = row[1].max(row[2] / 4.0);
 }
 
 /// What is left of `row` when an offset, and as much of the `like` rows as explains most, are taken off

@@ -13,7 +13,7 @@ pub const RATE: usize = 3;
 pub const GROUND: usize = 6;
 /// What a vertical pair shows, K.
 pub const CONTRAST: usize = 7;
-/// The logarithm of the sky's optical depth.
+/// The logarithm of the sky's optical depth, as [`Family`](crate::sky::family::Family) counts it.
 pub const DEPTH: usize = 8;
 /// How far the horizon that the sensors see leans up to north and to west, where it is warmer, rad.
 pub const LEAN: usize = 9;

@@ -26,7 +26,8 @@ pub struct Tuning {
     pub ground_walk: f64,
     /// The walk of the contrast as a share of it, and how fast a larger one is learnt, 1/s.
     pub contrast: (f64, f64),
-    /// The logarithm of the sky's optical depth: mean, standard deviation, walk.
+    /// The logarithm of the sky's optical depth, as [`Family`](crate::sky::family::Family) counts it: mean, standard
+    /// deviation, walk.
     pub depth: (f64, f64, f64),
     /// The share of averaging in radiance: mean and standard deviation.
     pub radiance: (f64, f64),
