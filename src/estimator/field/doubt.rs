@@ -2,6 +2,7 @@
 
 use super::state::{DEPTH, LEAN, RADIANCE, RATE, TURN};
 use super::{FieldEstimator, lean};
+use crate::attitude::Attitude;
 use crate::time::Time;
 
 /// What no sky alike all around explains, from nothing to certain: below the first there is none (again),
@@ -60,6 +61,15 @@ impl FieldEstimator {
         }
         let keep = (-dt_s / REMEMBERED_S).exp();
         self.state.x[LEAN..LEAN + 2].iter_mut().for_each(|lean| *lean *= keep);
+    }
+
+    /// How far the attitude may be off by a lean that is not expected, and that what tells of it has not ruled out yet, rad.
+    pub(super) fn unexpected_lean(&self) -> Attitude {
+        if !self.told || self.leant {
+            return Attitude::default();
+        }
+        let [roll, pitch] = lean::unexpected(&self.state, self.tuning.unlike_lean).map(f64::sqrt);
+        Attitude { roll, pitch }
     }
 
     /// Whether the horizon leans farther than expected.

@@ -11,21 +11,43 @@ use crate::estimator::vector::cross;
 
 /// How many times more likely, as a logarithm, a large lean must be.
 const SURE: f64 = 7.0;
+/// The share of flights in which the horizon leans.
+const LEANING: f64 = 0.2;
 
-/// Whether leans of standard deviation `large` (rad) explain what was said so far better than the ones that were expected.
-pub fn shows(state: &State, large: f64) -> bool {
+/// What the leans would be had a standard deviation of `large` (rad) been expected of them, their covariance, and how many
+/// times likelier, as a logarithm, what was said so far is then; none where more was expected.
+fn if_expected(state: &State, large: f64) -> Option<([f64; 2], [[f64; 2]; 2], f64)> {
     let mut x = [state.x[LEAN], state.x[LEAN + 1]];
     let mut p: [[f64; 2]; 2] = std::array::from_fn(|i| [state.p[LEAN + i][LEAN], state.p[LEAN + i][LEAN + 1]]);
     let mut likelier = 0.0;
     for i in 0..2 {
         let (mean, variance) = (x[i], p[i][i]);
-        let Some(taken) = negative(variance, state.lean2, large * large) else { return false };
+        let taken = negative(variance, state.lean2, large * large)?;
         let ph = p[i];
         gain(&mut x, &mut p, 2, &ph, variance + taken, -mean);
         let shown = x[i] * x[i] / p[i][i] - mean * mean / variance;
         likelier += 0.5 * (shown + (p[i][i] / variance * state.lean2 / (large * large)).ln());
     }
-    likelier > SURE
+    Some((x, p, likelier))
+}
+
+/// Whether leans of standard deviation `large` (rad) explain what was said so far better than the ones that were expected.
+pub fn shows(state: &State, large: f64) -> bool {
+    if_expected(state, large).is_some_and(|(.., likelier)| likelier > SURE)
+}
+
+/// The variance of roll and of pitch, rad², by leans of standard deviation `large` (rad) that are not expected and may be
+/// there for all that was said so far.
+pub fn unexpected(state: &State, large: f64) -> [f64; 2] {
+    let Some((x, p, likelier)) = if_expected(state, large) else { return [0.0; 2] };
+    let there = 1.0 / (1.0 + (1.0 - LEANING) / LEANING * (-likelier).exp());
+    let up = state.vertical();
+    let upright = up[2].abs().max(0.3);
+    [(1, upright), (0, 1.0)].map(|(axis, share)| {
+        let by = [0, 1].map(|i| state.axes[i][axis] / share);
+        let square = |i: usize, j: usize| by[i] * by[j] * (x[i] * x[j] + p[i][j]);
+        there * (square(0, 0) + 2.0 * square(0, 1) + square(1, 1)).max(0.0)
+    })
 }
 
 /// Expects leans of standard deviation `large` (rad) from now on, and of what was said so far too.
@@ -132,6 +154,24 @@ mod tests {
         }
         assert!(!shows(&told(0.05, &[]), 1.2), "nothing was read");
         assert!(!shows(&told(2.0, &around(3.0)), 1.2), "more was expected");
+    }
+
+    /// Before anything is said the share of flights that have one counts; what is said all around settles it.
+    #[test]
+    fn what_nobody_has_ruled_out_may_be_there() {
+        let large = 1.2;
+        let sigma = |state: &State| unexpected(state, large).map(f64::sqrt);
+        let at_first = sigma(&told(0.05, &[]));
+        assert!(at_first.iter().all(|s| (s / (LEANING.sqrt() * large) - 1.0).abs() < 0.01), "{at_first:?}");
+        let even = sigma(&told(0.05, &around(0.0)));
+        assert!(even.iter().all(|s| *s < 0.2 * at_first[0]), "{even:?}");
+        // What speaks for one counts.
+        let leaning = sigma(&told(0.05, &around(1.0)));
+        assert!((0.7..1.3).contains(&leaning[1]), "{leaning:?}");
+        let mut far = told(0.05, &around(0.0));
+        far.x[LEAN] = 1e3;
+        assert!(unexpected(&far, large).iter().all(|s| s.is_finite()), "beyond all likelihood");
+        assert_eq!(unexpected(&told(2.0, &around(3.0)), large), [0.0; 2], "more was expected");
     }
 
     /// Readings tell of the attitude, but never better than the lean is known; a reference tells of both.

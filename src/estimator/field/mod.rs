@@ -186,9 +186,14 @@ impl FieldEstimator {
             Attitude { roll: poor * roll, pitch: poor * own.pitch.hypot(doubt) }
         };
         let unheard = self.unheard(attitude);
+        let leaning = self.unexpected_lean();
         // Angles are shown larger by the least doubt: more of it may as well be on the other side.
         let (guarded, sigma) = (doubted(least_k), doubted(most_k));
-        let sigma = Attitude { roll: sigma.roll.hypot(unheard.roll), pitch: sigma.pitch.hypot(unheard.pitch) };
+        let beside = |sigma: f64, a: f64, b: f64| sigma.hypot(a).hypot(b);
+        let sigma = Attitude {
+            roll: beside(sigma.roll, unheard.roll, leaning.roll),
+            pitch: beside(sigma.pitch, unheard.pitch, leaning.pitch),
+        };
         attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);
         attitude.pitch = guard(attitude.pitch, guarded.pitch, std::f64::consts::FRAC_PI_2);
         Solution {
