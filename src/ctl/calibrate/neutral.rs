@@ -65,6 +65,13 @@ fn given(status: &Status, name: &str, lacking: &str, value: fn(&Sensor) -> Optio
 /// Neutral voltages and offsets, told and as configuration.
 pub(super) fn measure(looks: &[Status], settings: &Settings) -> Result<Measured, CalibrateError> {
     let mut measured = Measured { told: String::new(), lines: String::new() };
+    measure_pairs(looks, settings, &mut measured)?;
+    measure_digital(looks, &digital(settings), &mut measured)?;
+    Ok(measured)
+}
+
+/// What each gives by itself.
+fn measure_pairs(looks: &[Status], settings: &Settings, measured: &mut Measured) -> Result<(), CalibrateError> {
     for (name, ads) in pairs(settings) {
         let values: Vec<f64> = looks.iter().map(|s| volts(s, name)).collect::<Result<_, _>>()?;
         let m = mean(&values).ok_or(CalibrateError::TooFew)?;
@@ -84,8 +91,7 @@ pub(super) fn measure(looks: &[Status], settings: &Settings) -> Result<Measured,
         // Tenths of a millivolt.
         let _ = writeln!(measured.lines, "[[sensor]]\nname = \"{name}\"\nneutral-v = {:.4}", rounded(m.value, 1e4));
     }
-    measure_digital(looks, &digital(settings), &mut measured)?;
-    Ok(measured)
+    Ok(())
 }
 
 /// How far each is from the mean of all, look by look: that the whole head warms up meanwhile does not matter.
