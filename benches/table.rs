@@ -1,5 +1,6 @@
 //! The table of docs/estimation.md: every scenario through the schemes that others have published and
-//! through our own: `cargo bench --bench table`, or `-- NAME…` for some scenarios. About a minute.
+//! through our own: `cargo bench --bench table`, or `-- NAME…` for some scenarios, `-- --differential` for three pairs
+//! instead of six temperatures. About a minute.
 
 #[path = "../tests/field/mod.rs"]
 mod field;
@@ -15,8 +16,8 @@ use irhorizon::ctl::score::statistics::{Said, Score};
 use irhorizon::estimator::{Estimator, InverseSineEstimator, ProfileEstimator};
 use irhorizon::frame::{Aiding, Frame};
 use irhorizon::head::Head;
-use irhorizon::simulation::scenario::LIST;
-use irhorizon::sky::{Averaging, FieldOfView, Response, Sky};
+use irhorizon::simulation::scenario::{LIST, Scenario};
+use irhorizon::sky::FieldOfView;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -26,12 +27,17 @@ use std::sync::{Mutex, PoisonError};
 struct Args {
     /// Only these scenarios
     scenarios: Vec<String>,
+    /// Three pairs in volts
+    #[arg(long)]
+    differential: bool,
     /// What `cargo bench` adds by itself
     #[arg(long, hide = true)]
     bench: bool,
 }
 
 type Update = Box<dyn FnMut(&Frame) -> Option<Said>>;
+/// Makes a method for a head under a scenario.
+type Make = Box<dyn Fn(&Head, &str) -> Update>;
 
 fn ours(mut estimator: impl Estimator + 'static) -> Update {
     Box::new(move |frame| {
@@ -52,15 +58,15 @@ fn lag_s(scenario: &str) -> f64 {
 /// A table's column: how the method is made, whether the instruments are heard, whether it tells its σ.
 struct Column {
     name: &'static str,
-    make: Box<dyn Fn(&str) -> Update>,
+    make: Make,
     aided: bool,
     sigma: bool,
 }
 
 /// The `i`th of the schemes that others have published.
 fn published(i: usize, name: &'static str) -> Column {
-    let make = move |_: &str| -> Update {
-        let (head, mut scheme) = (Head::six(), schemes::named().into_iter().nth(i));
+    let make = move |head: &Head, _: &str| -> Update {
+        let (head, mut scheme) = (head.clone(), schemes::named().into_iter().nth(i));
         Box::new(move |frame| {
             let (_, scheme) = scheme.as_mut()?;
             let (roll_deg, pitch_deg) = schemes::update(scheme.as_mut(), &head, frame)?;
@@ -73,17 +79,15 @@ fn published(i: usize, name: &'static str) -> Column {
 fn columns() -> Vec<Column> {
     let mut columns: Vec<Column> =
         schemes::named().iter().enumerate().map(|(i, (name, _))| published(i, name)).collect();
-    let mut own = |name, aided, make: fn(&str) -> Update| {
+    let mut own = |name, aided, make: fn(&Head, &str) -> Update| {
         columns.push(Column { name, make: Box::new(make), aided, sigma: true });
     };
-    own("inverse-sine", false, |_| ours(InverseSineEstimator::new(Head::six(), 90.0, 3.0, 45.0)));
-    own("profile", false, |_| {
+    own("inverse-sine", false, |head, _| ours(InverseSineEstimator::new(head.clone(), 90.0, 3.0, 45.0)));
+    own("profile", false, |head, scenario| {
         let field = FieldOfView::Gaussian { fwhm_deg: 90.0 };
-        let Sky { ground_c, sky_max_k, shape } = Sky::NAMIBIA;
-        let curve = Response::new(shape, field, Averaging::Temperature).pair_curve(ground_c, sky_max_k);
-        ours(ProfileEstimator::new(Head::six(), curve, 3.0))
+        ours(ProfileEstimator::in_flight(head.clone(), field, lag_s(scenario), 3.0))
     });
-    let make = |scenario: &str| ours(field::field(&Head::six(), lag_s(scenario)));
+    let make = |head: &Head, scenario: &str| ours(field::field(head, lag_s(scenario)));
     own("field", false, make);
     own("field, rates and GPS", true, make);
     columns
@@ -112,16 +116,18 @@ fn cell(score: &Score, sigma: bool) -> String {
 }
 
 /// A line of the table.
-fn line(scenario: &str) -> Option<String> {
-    let flights = Flown::all(scenario)?;
-    let mut line = format!("| {scenario} |");
+fn line(name: &str, differential: bool) -> Option<String> {
+    let scenario = Scenario::named(name)?;
+    let scenario = if differential { scenario.differential() } else { scenario };
+    let (flights, head) = (Flown::all(&scenario), scenario.head());
+    let mut line = format!("| {name} |");
     for column in columns() {
         let hear = |frame: &mut Frame| {
             if !column.aided {
                 frame.aiding = Aiding::default();
             }
         };
-        let score = score(&flights, hear, || (column.make)(scenario));
+        let score = score(&flights, hear, || (column.make)(&head, name));
         line += &format!(" {} |", cell(&score, column.sigma));
     }
     Some(line)
@@ -146,7 +152,7 @@ fn main() -> ExitCode {
                 while let Some((i, name)) =
                     Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, names.get(i)?)))
                 {
-                    let made = line(name);
+                    let made = line(name, args.differential);
                     lines.lock().unwrap_or_else(PoisonError::into_inner)[i] = made;
                 }
             });

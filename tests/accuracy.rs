@@ -13,6 +13,7 @@ use irhorizon::estimator::Estimator;
 use irhorizon::frame::{Aiding, Frame, Missing};
 use irhorizon::head::Head;
 use irhorizon::horizon::Horizon;
+use irhorizon::simulation::Scenario;
 
 /// Root mean squares of roll and pitch, 99th percentile of the larger error, 99th percentile of the
 /// underestimation of rolls beyond 20°; degrees, none of them to be exceeded.
@@ -51,6 +52,11 @@ fn without_aiding(frame: &mut Frame) {
 fn degrees(score: &Score) -> Limits {
     [score.roll_rms_deg, score.pitch_rms_deg, score.error_p99_deg, score.underestimated_p99_deg]
         .map(|f| f.unwrap_or(f64::NAN))
+}
+
+/// The flights of the scenario called `name`.
+fn flown(name: &str) -> Vec<Flown> {
+    Flown::all(&Scenario::named(name).unwrap())
 }
 
 /// Prints what was reached; gives what was missed.
@@ -122,7 +128,7 @@ fn none(missed: &[String]) {
 
 /// A scenario without aiding, then with body rates and GPS.
 fn row(name: &str, lag_s: f64, [alone, aided]: [Limits; 2]) {
-    let flights = Flown::all(name).unwrap();
+    let flights = flown(name);
     let make = || fresh(lag_s);
     let mut missed = misses(&format!("{name} without aiding"), &score(&flights, without_aiding, make), alone);
     missed.extend(misses(&format!("{name} with rates and GPS"), &score(&flights, |_| (), make), aided));
@@ -134,7 +140,7 @@ fn row(name: &str, lag_s: f64, [alone, aided]: [Limits; 2]) {
 fn as_the_daemon_flies() {
     let mut missed = Vec::new();
     for name in ["clear-dry", "clear-humid"] {
-        let flights = Flown::all(name).unwrap();
+        let flights = flown(name);
         missed.extend(misses(&format!("{name} without aiding"), &score(&flights, without_aiding, whole), CLEAR[0]));
         missed.extend(misses(&format!("{name} with rates and GPS"), &score(&flights, |_| (), whole), CLEAR[1]));
     }
@@ -195,7 +201,7 @@ fn slow_sensors() {
 /// Each sensor missing in turn from the beginning: at most half as much error again as with all six.
 #[test]
 fn five_of_six_sensors() {
-    let flights = Flown::all("clear-dry").unwrap();
+    let flights = flown("clear-dry");
     let mut missed = Vec::new();
     for aided in [false, true] {
         let change = |frame: &mut Frame| {
@@ -232,7 +238,7 @@ fn with_rates(name: &str, change: impl Fn([f64; 3]) -> [f64; 3], (rms_deg, cover
             frame.aiding.gyro_deg_s = change([p, q, r]).map(Some);
         }
     };
-    let score = score(&Flown::all(name).unwrap(), worse, || fresh(0.1));
+    let score = score(&flown(name), worse, || fresh(0.1));
     let [roll, pitch, p99, _] = degrees(&score);
     let within = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap_or(f64::NAN));
     println!("{name}: {roll:.3} / {pitch:.3} / {p99:.2}; 2 sigma {within:.1?} %");

@@ -7,7 +7,6 @@ use irhorizon::estimator::trim::{Learner, level};
 use irhorizon::estimator::{Estimator, FieldEstimator, ProfileEstimator};
 use irhorizon::frame::Frame;
 use irhorizon::simulation::Scenario;
-use irhorizon::sky::{Averaging, Response, Sky};
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
 
@@ -32,11 +31,7 @@ impl Errors {
 /// A method for a scenario's head.
 type Method = fn(&Scenario) -> Box<dyn Estimator>;
 
-const PROFILE: Method = |scenario| {
-    let sky = Sky::NAMIBIA;
-    let response = Response::new(sky.shape, scenario.field(), Averaging::Temperature);
-    Box::new(ProfileEstimator::new(scenario.head(), response.pair_curve(sky.ground_c, sky.sky_max_k), 3.0))
-};
+const PROFILE: Method = |scenario| Box::new(ProfileEstimator::in_flight(scenario.head(), scenario.field(), 0.1, 3.0));
 
 const FIELD: Method = |scenario| Box::new(FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default()));
 

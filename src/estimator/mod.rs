@@ -6,10 +6,12 @@
 //! - [`field`]: every sensor by itself, the sky estimated together with the attitude;
 //! - [`trim`]: how the head is mounted, learnt in flight from slow references;
 //! - [`flying`]: what the readers of slow references share;
+//! - [`guard`]: where in doubt, to the safe side;
 //! - [`references`]: what GPS and airspeed say: the bank of a coordinated turn, the angle of climb;
 //! - [`sides`]: which side is up;
 //! - [`range`]: the low-pass filter of the adaptive range;
 //! - [`suits`]: which heads each method works with;
+//! - [`whiteness`]: how much moves, learnt from innovations;
 //! - [`vector`], [`normal`], [`noise`]: three components, least squares over directions, and the noise that every σ
 //!   assumes.
 //!
@@ -18,6 +20,7 @@
 pub mod contrast_vector;
 pub mod field;
 pub mod flying;
+pub mod guard;
 pub mod inverse_sine;
 pub mod linear;
 pub mod noise;
@@ -29,6 +32,7 @@ pub mod sides;
 pub mod suits;
 pub mod trim;
 pub mod vector;
+pub mod whiteness;
 
 pub use field::FieldEstimator;
 pub use inverse_sine::InverseSineEstimator;
@@ -41,6 +45,11 @@ use vector::Vector;
 
 /// What a level pair of 90° shows for a radian of tilt, as a share of the contrast.
 pub const PAIR_SLOPE: f64 = 1.1;
+
+/// How far the horizon may lean where one side is warmer and nothing shows it, rad: 2°.
+///
+/// Three pairs fit some attitude whatever they see: nothing is left over that would tell of clouds or of a warm side.
+pub const UNSEEN_LEAN: f64 = 0.035;
 
 /// Whether a method makes use of a sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -19,9 +19,8 @@ const LEFT_OUT: usize = 20 * 50;
 pub struct Flown(Vec<(Frame, Attitude)>);
 
 impl Flown {
-    /// Flies the scenario called `name`, once for each seed.
-    pub fn all(name: &str) -> Option<Vec<Self>> {
-        let scenario = Scenario::named(name)?;
+    /// Flies `scenario`, once for each seed.
+    pub fn all(scenario: &Scenario) -> Vec<Self> {
         let fly = |seed| {
             let mut source = scenario.source(seed);
             let mut frame = Frame::new(scenario.head().sensors.len());
@@ -32,7 +31,7 @@ impl Flown {
             };
             Self((0..FRAMES).map(scan).collect())
         };
-        Some(SEEDS.map(fly).into())
+        SEEDS.map(fly).into()
     }
 
     /// Takes the errors of `update` into `errors`, each frame changed by `change` before it is seen.

@@ -6,8 +6,6 @@ use super::state::MAX_SENSORS;
 /// One number a sensor.
 pub type Pattern = [f64; MAX_SENSORS];
 
-/// Over this time innovations are compared, s.
-const WINDOW_S: f64 = 4.0;
 /// How long the doubt of the beginning lasts, s.
 const FIRST_S: f64 = 3.0;
 /// Over this time innovations are averaged to see what no state explains, s.
@@ -24,49 +22,6 @@ const LONG_S: f64 = 30.0;
 const LEAST_DIMENSIONS: f64 = 0.25;
 /// A misfit no larger than the first is noise; one of the second is a scene, K.
 const UNLIKE_K: (f64, f64) = (0.015, 0.04);
-
-/// Watches the innovations in one direction. Where they keep their sign the process noise is too small,
-/// where they change it too often too large; how large the sensors' own noise is has no part in it.
-#[derive(Clone, Debug)]
-pub struct Whiteness {
-    smooth_s: f64,
-    learning: (f64, f64),
-    bounds: (f64, f64),
-    smooth: f64,
-    slow: f64,
-    all: f64,
-    factor: f64,
-}
-
-impl Whiteness {
-    /// With the time over which innovations are averaged, s, how fast the factor goes up and down, 1/s,
-    /// and its bounds. It begins at 1.
-    pub fn new(smooth_s: f64, learning: (f64, f64), bounds: (f64, f64)) -> Self {
-        Self { smooth_s, learning, bounds, smooth: 0.0, slow: 0.0, all: 0.0, factor: 1.0 }
-    }
-
-    /// What the process noise's standard deviation is to be multiplied with.
-    pub fn factor(&self) -> f64 {
-        self.factor
-    }
-
-    /// Takes in an innovation, `dt_s` after the last.
-    pub fn update(&mut self, innovation: f64, dt_s: f64) {
-        let keep = (-dt_s / self.smooth_s).exp();
-        let share = -(-dt_s / WINDOW_S).exp_m1();
-        self.smooth = keep * self.smooth + (1.0 - keep) * innovation;
-        // White: the average has this share of the power.
-        let slow = self.smooth * self.smooth * (1.0 + keep) / (1.0 - keep);
-        self.slow += share * (slow - self.slow);
-        self.all += share * (innovation * innovation - self.all);
-        if self.all > 0.0 && self.slow > 0.0 {
-            let excess = (self.slow / self.all).ln().clamp(-1.0, 1.5);
-            let learning = if excess > 0.0 { self.learning.0 } else { self.learning.1 };
-            let step = (learning * excess * dt_s).clamp(-1.0, 1.0);
-            self.factor = (self.factor * step.exp()).clamp(self.bounds.0, self.bounds.1);
-        }
-    }
-}
 
 /// Directions among the sensors' readings: what a turn, a contrast and a ground would change.
 #[derive(Clone, Copy, Debug)]

@@ -1,11 +1,12 @@
 //! What the filter begins with.
 
-use super::adapt::{SceneStrength, Whiteness};
+use super::adapt::SceneStrength;
 use super::aid::Aid;
 use super::correct::Misfit;
 use super::start::start;
 use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, State, TURN};
 use super::{FieldEstimator, Tuning};
+use crate::estimator::whiteness::Whiteness;
 use crate::time::Time;
 
 /// How much moves, before it is seen: body rates about the nose and across it, the contrast, the sensors' own scenes.

@@ -3,6 +3,7 @@
 use super::state::{DEPTH, LEAN, RADIANCE, RATE, TURN};
 use super::{FieldEstimator, lean};
 use crate::attitude::Attitude;
+use crate::estimator::UNSEEN_LEAN;
 use crate::time::Time;
 
 /// What no sky alike all around explains, from nothing to certain: below the first there is none (again),
@@ -63,8 +64,13 @@ impl FieldEstimator {
         self.state.x[LEAN..LEAN + 2].iter_mut().for_each(|lean| *lean *= keep);
     }
 
-    /// How far the attitude may be off by a lean that is not expected, and that what tells of it has not ruled out yet, rad.
+    /// How far the attitude may be off by a lean that is not expected, and that what tells of it has not ruled out yet; by
+    /// any where nothing tells and nothing would show it; rad.
     pub(super) fn unexpected_lean(&self) -> Attitude {
+        if !self.told && !self.model.shows_scenes() {
+            let [_, left, up] = self.state.vertical();
+            return Attitude { roll: UNSEEN_LEAN / left.hypot(up).max(0.2), pitch: UNSEEN_LEAN };
+        }
         if !self.told || self.leant {
             return Attitude::default();
         }

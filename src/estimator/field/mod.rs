@@ -11,7 +11,7 @@
 //! - `doubt`: a scene that is found not to be alike all around; `lean`: how far its horizon is expected to lean;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
 //! - `unheard`: what a sensor left out might have been right about;
-//! - `output`: angles, standard deviations, the underestimation guard.
+//! - `output`: angles and standard deviations.
 
 mod adapt;
 mod aid;
@@ -35,23 +35,24 @@ mod witness;
 pub use state::MAX_SENSORS;
 pub use tuning::Tuning;
 
-use super::PAIR_SLOPE;
 use super::contrast_vector::ContrastSolver;
+use super::guard::guard;
 use super::sides::{Sides, TELLING_K};
 use super::vector::{Vector, dot, length};
-use super::{Estimator, Solution, Standing};
+use super::whiteness::Whiteness;
+use super::{Estimator, PAIR_SLOPE, Solution, Standing};
 use crate::attitude::Attitude;
 use crate::frame::Frame;
 use crate::head::Head;
 use crate::sky::FieldOfView;
 use crate::time::Time;
-use adapt::{SceneStrength, Whiteness};
+use adapt::SceneStrength;
 use aid::Aid;
 use begin::paces;
 use correct::Misfit;
 use gyro::Gyro;
 use model::Model;
-use output::{attitude, guard};
+use output::attitude;
 use predict::{Pace, correction, predict, rates};
 use state::{CONTRAST, State};
 use stuck::Stuck;
@@ -167,28 +168,30 @@ impl FieldEstimator {
     }
 
     fn solution(&self) -> Solution {
-        let (mut attitude, own) = attitude(&self.state);
+        let (mut attitude, own, at_rest) = attitude(&self.state);
         let contrast_k = self.state.x[CONTRAST];
         // A warm side looks like an attitude where nothing else tells of that; that there is one shows elsewhere.
         let t = &self.tuning;
         let (least_k, most_k) = if self.told {
+            let unseen_k = if self.model.shows_scenes() { 0.0 } else { 2.0 * t.unlike_side_k.1 };
             let side_k = self.scene.unlike() * t.unlike_side_k.1;
-            (side_k, side_k.max(self.scene.unlike() * t.hidden.1 * self.scene.seen_k()))
+            (side_k, side_k.max(self.scene.unlike() * t.hidden.1 * self.scene.seen_k()).max(unseen_k))
         } else {
             let lately = self.scene.lately_unlike();
             let side_k = lately * t.unlike_side_k.0;
             (side_k, side_k.max(lately * t.hidden.0 * self.scene.seen_k()))
         };
         let poor = self.misfit.excess();
-        let doubted = |side_k: f64| {
+        let doubted = |own: Attitude, side_k: f64| {
             let doubt = side_k / (PAIR_SLOPE * contrast_k.abs().max(1.0));
             let roll = own.roll.hypot(doubt / attitude.pitch.cos().max(0.2));
             Attitude { roll: poor * roll, pitch: poor * own.pitch.hypot(doubt) }
         };
         let unheard = self.unheard(attitude);
         let leaning = self.unexpected_lean();
-        // Angles are shown larger by the least doubt: more of it may as well be on the other side.
-        let (guarded, sigma) = (doubted(least_k), doubted(most_k));
+        // Angles are shown larger by the least doubt, that of the model: more of it, and what the aircraft does, may as
+        // well be on the other side.
+        let (guarded, sigma) = (doubted(at_rest, least_k), doubted(own, most_k));
         let beside = |sigma: f64, a: f64, b: f64| sigma.hypot(a).hypot(b);
         let sigma = Attitude {
             roll: beside(sigma.roll, unheard.roll, leaning.roll),

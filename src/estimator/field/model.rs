@@ -76,6 +76,11 @@ impl Model {
         self.channels.iter().any(|c| c.kind.is_absolute())
     }
 
+    /// Whether the sensors are more than the unknowns, so that a scene of its own that one of them sees is left over.
+    pub fn shows_scenes(&self) -> bool {
+        self.is_absolute() || self.sensors() > 3
+    }
+
     /// Where sensor `i` looks.
     pub fn direction(&self, i: usize) -> Vector {
         self.channels[i].direction

@@ -5,7 +5,10 @@ use crate::sky::PairCurve;
 /// Intervals of the table.
 const INTERVALS: usize = 1024;
 
-/// A [`PairCurve`]'s inverse, tabulated.
+/// From this entry on, a ratio of 0.995, a sine between two curves need not rise.
+const LAST_RISE: usize = INTERVALS * 93 / 100;
+
+/// A [`PairCurve`]'s inverse, tabulated; or one between those of two curves.
 ///
 /// The table is uniform in `√(1 − ratio)`: towards the vertical, where the signal hardly rises any
 /// more, its steps in the ratio become as small as they must be. Within 1e-4 of
@@ -13,14 +16,46 @@ const INTERVALS: usize = 1024;
 /// of the sky while it looks at the horizon is inverted to 0.2 % of the contrast.
 #[derive(Clone, Debug)]
 pub struct Inverse {
-    /// Sines over ratios from 0 to 1.
-    sines: Vec<f64>,
+    /// Sines over ratios from 0 to 1, and how much more they are by the other curve.
+    sines: Vec<[f64; 2]>,
+    /// The share of the other curve.
+    share: f64,
 }
 
 impl Inverse {
     /// Tabulates `curve`.
     pub fn new(curve: &PairCurve) -> Self {
-        Self { sines: (0..=INTERVALS).map(|i| curve.inverse(ratio_of(i))).collect() }
+        Self::between(curve, curve)
+    }
+
+    /// Tabulates both: that of `one` until a share of the `other` is set.
+    pub fn between(one: &PairCurve, other: &PairCurve) -> Self {
+        let sines = |ratio: f64| {
+            let sine = one.inverse(ratio);
+            [sine, other.inverse(ratio) - sine]
+        };
+        Self { sines: (0..=INTERVALS).map(|i| sines(ratio_of(i))).collect(), share: 0.0 }
+    }
+
+    /// The share of the other curve from now on, one of those with which what [rises](Self::rising) with the ratio still does.
+    pub fn set_share(&mut self, share: f64) {
+        self.share = share;
+    }
+
+    /// That share.
+    pub fn share(&self) -> f64 {
+        self.share
+    }
+
+    /// From which share of the other curve to which the sine rises with the ratio: from below 0 to above 1. Within a few
+    /// degrees of the vertical, where it hardly rises, it may stand still.
+    pub fn rising(&self) -> (f64, f64) {
+        let steps = self.sines[..LAST_RISE].windows(2).map(|w| [w[1][0] - w[0][0], w[1][1] - w[0][1]]);
+        steps.fold((f64::NEG_INFINITY, f64::INFINITY), |(least, most), [one, more]| match more {
+            _ if more > 0.0 => (least.max(-one / more), most),
+            _ if more < 0.0 => (least, most.min(-one / more)),
+            _ => (least, most),
+        })
     }
 
     /// The sine of the elevation at which a pair gives `ratio` of its contrast; ±1 at and beyond
@@ -29,15 +64,29 @@ impl Inverse {
         self.sine_and_slope(ratio).0
     }
 
+    /// How much more that sine is by the other curve than by the one.
+    pub fn by_share(&self, ratio: f64) -> f64 {
+        let place = place(ratio);
+        let cell = cell(place);
+        let [low, high] = [self.sines[cell][1], self.sines[cell + 1][1]];
+        (low + (place - cell as f64) * (high - low)) * ratio.signum()
+    }
+
+    fn entry(&self, i: usize) -> f64 {
+        let [one, more] = self.sines[i];
+        (one + self.share * more).min(1.0)
+    }
+
     /// That sine, and how fast it rises with the ratio, ≥ 0; beyond ±1 as at ±1.
     pub fn sine_and_slope(&self, ratio: f64) -> (f64, f64) {
         let place = place(ratio);
         let cell = cell(place);
-        let step = self.sines[cell + 1] - self.sines[cell];
-        let sine = self.sines[cell] + (place - cell as f64) * step;
+        let low = self.entry(cell);
+        let step = self.entry(cell + 1) - low;
+        let sine = low + (place - cell as f64) * step;
         // The middle of the step in √(1 − ratio), and what the ratio moves by in it.
         let rest = (INTERVALS as f64 - cell as f64 - 0.5) / INTERVALS as f64;
-        (sine.copysign(ratio), step * INTERVALS as f64 / (2.0 * rest))
+        (sine.copysign(ratio), step.max(0.0) * INTERVALS as f64 / (2.0 * rest))
     }
 }
 
@@ -58,6 +107,7 @@ fn cell(place: f64) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use super::super::shape::POSSIBLE;
     use super::*;
     use crate::sky::{Averaging, FieldOfView, Response, Shape};
 
@@ -116,6 +166,35 @@ mod tests {
         }
         assert_eq!(table.sine(0.0), 0.0);
         assert!(table.sine(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn between_two_curves_it_is_between_their_inverses_and_rises_wherever_it_may_be_set() {
+        for fwhm_deg in [10.0, 35.0, 60.0, 90.0, 120.0] {
+            let field = FieldOfView::Gaussian { fwhm_deg };
+            let [dry, humid] = [Shape::Exponential { k: 5.5 }, Shape::Grey { depth: 1.5 }]
+                .map(|s| Response::new(s, field, Averaging::Temperature).pair_curve(16.0, 40.0));
+            let mut table = Inverse::between(&dry, &humid);
+            let (least, most) = table.rising();
+            assert!(least <= 0.0 && most >= 1.0, "{least} {most}");
+            assert!(fwhm_deg < 90.0 || least <= POSSIBLE.0 && most >= POSSIBLE.1, "{fwhm_deg}: {least} {most}");
+            for share in [POSSIBLE.0.max(least), 0.0, 0.5, 1.0, POSSIBLE.1.min(most)] {
+                table.set_share(share);
+                let mut last = 0.0;
+                for ratio in ratios().step_by(30) {
+                    let (got, slope) = table.sine_and_slope(ratio);
+                    let expected = dry.inverse(ratio) + share * (humid.inverse(ratio) - dry.inverse(ratio));
+                    let close = if fwhm_deg < 35.0 { 2e-2 } else { 1e-3 };
+                    assert!((got - expected).abs() < close && (table.sine(-ratio) + got).abs() < 1e-12, "{ratio}");
+                    assert!(
+                        got >= last - 1e-3 && got <= 1.0 && slope >= 0.0,
+                        "{fwhm_deg} {share} {ratio}: {got} {slope}"
+                    );
+                    assert!((table.by_share(ratio) + table.by_share(-ratio)).abs() < 1e-12);
+                    last = got;
+                }
+            }
+        }
     }
 
     #[test]

@@ -3,43 +3,54 @@
 //! - [`inverse`]: from a pair's share of the contrast to the sine of its elevation;
 //! - [`root`]: one bracketed scalar solve;
 //! - [`solve`]: contrast and vertical of one set of signals;
-//! - [`range`]: the adaptive range, a filter on that contrast.
+//! - [`range`]: the adaptive range, a filter on that contrast;
+//! - [`shape`]: the sky's shape, learnt from how that contrast goes with the bank;
+//! - [`motion`]: how the vertical moves, and the sensors' lag made up for;
+//! - `output`: angles and standard deviations.
 //!
-//! The method is static: a frame's attitude comes from the frame's signals, the range and the side
-//! up that was last seen. See [`ProfileEstimator`].
+//! See [`ProfileEstimator`].
 
 pub mod inverse;
+pub mod motion;
+mod output;
 pub mod range;
 pub mod root;
+pub mod shape;
 pub mod solve;
 
 use super::contrast_vector::contrast_vector;
 use super::noise::PAIR_NOISE_K;
 use super::sides::Sides;
-use super::vector::Vector;
-use super::{Estimator, Solution};
-use crate::attitude::Attitude;
+use super::{Estimator, PAIR_SLOPE, Solution, UNSEEN_LEAN};
 use crate::direction::Direction;
 use crate::frame::Frame;
 use crate::head::Head;
-use crate::sky::PairCurve;
+use crate::sky::{Averaging, FieldOfView, PairCurve, Response, Shape, Sky};
+use crate::time::Time;
+use motion::Motion;
+use output::{Seen, attitude};
 use range::AdaptiveRange;
-use solve::{Scaled, Solved, Solver};
+use shape::ShapeLearner;
+use solve::{Solved, Solver};
 
 /// A contrast up to so many times the range is believed; above it the range, so widened, scales the angles.
 const BELIEVED: f64 = 1.1;
 
-/// The cosine of pitch below which the standard deviation of roll grows no more.
-const LEAST_ACROSS: f64 = 0.05;
+/// The sky toward which the shape is learnt: that of humid air.
+const HUMID: Shape = Shape::Grey { depth: 1.5 };
 
 /// Attitude from the inverted profile.
 ///
 /// Each frame is solved for contrast and vertical. The contrast goes through the adaptive range, which
 /// falls fast and rises slowly. A contrast well above the range is doubted: the angles' numerators are
 /// then taken on the range, so that a contrast overrated in this frame makes no angle too small.
+///
+/// In [flight](Self::in_flight) the sky's shape is learnt, and how the attitude moves; what neither tells, and what three
+/// pairs cannot see, is in the standard deviations.
 #[derive(Clone, Debug)]
 pub struct ProfileEstimator {
     head: Head,
+    flight: Option<InFlight>,
     solver: Option<Solver>,
     signals: Vec<Option<f64>>,
     range: AdaptiveRange,
@@ -49,17 +60,43 @@ pub struct ProfileEstimator {
     residual: Option<f64>,
 }
 
+/// What is learnt in flight.
+#[derive(Clone, Debug)]
+struct InFlight {
+    shape: ShapeLearner,
+    motion: Motion,
+}
+
 impl ProfileEstimator {
-    /// For `head` under a sky in which its pairs have the shape of `curve`, with a range that rises
-    /// with a time constant of `range_time_constant_s` > 0, in seconds. A head whose pairs do not
-    /// span space gives no attitude.
+    /// For `head` under a sky in which its pairs are known to have the shape of `curve`, each frame by itself, with a
+    /// range that rises with a time constant of `range_time_constant_s` > 0, in seconds. A head whose
+    /// pairs do not span space gives no attitude.
     pub fn new(head: Head, curve: PairCurve, range_time_constant_s: f64) -> Self {
+        Self::with_curves(head, [curve.clone(), curve], range_time_constant_s)
+    }
+
+    /// For `head` under any sky, its sensors with this field of view and a first-order time constant of `lag_s` ≥ 0, in
+    /// seconds: as [`new`](Self::new) with the shape of the report's Namibia sky to begin from.
+    pub fn in_flight(head: Head, field: FieldOfView, lag_s: f64, range_time_constant_s: f64) -> Self {
+        let Sky { shape, ground_c, sky_max_k } = Sky::NAMIBIA;
+        let curves =
+            [shape, HUMID].map(|s| Response::new(s, field, Averaging::Temperature).pair_curve(ground_c, sky_max_k));
+        let mut method = Self::with_curves(head, curves, range_time_constant_s);
+        let shares = method.solver.as_ref().map_or(shape::POSSIBLE, Solver::shares);
+        let shape = ShapeLearner::new(shares);
+        method.solver.iter_mut().for_each(|s| s.set_share(shape.share()));
+        method.flight = Some(InFlight { shape, motion: Motion::new(lag_s) });
+        method
+    }
+
+    fn with_curves(head: Head, curves: [PairCurve; 2], range_s: f64) -> Self {
         let directions: Vec<Direction> = head.pairs.iter().map(|p| p.direction).collect();
         Self {
-            solver: Solver::new(&directions, curve),
+            solver: Solver::between(&directions, curves),
             signals: vec![None; directions.len()],
             head,
-            range: AdaptiveRange::new(range_time_constant_s),
+            flight: None,
+            range: AdaptiveRange::new(range_s),
             sides: Sides::default(),
             exchanged: false,
             residual: None,
@@ -77,44 +114,44 @@ impl ProfileEstimator {
     fn contrast_k(&self) -> Option<f64> {
         self.range.value().map(|range| if self.exchanged { -range } else { range })
     }
+}
 
-    /// The attitude, and its standard deviation, of what `solved` says with ground and sky as `sign`
-    /// tells.
-    fn attitude(&self, solver: &Solver, solved: &Solved, ranged: Option<&Scaled>, sign: f64) -> (Attitude, Attitude) {
-        let exact = solved.vertical.map(|c| sign * c);
-        let mut larger = exact;
-        if let Some(ranged) = ranged {
-            for (component, r) in larger.iter_mut().zip(ranged.vertical) {
-                *component = component.abs().max((r * ranged.length).abs()).copysign(*component);
+impl InFlight {
+    /// The vertical at `time` and its doubts: of what `solved` says of `signals` with ground and sky as `sign` tells, and of
+    /// what was seen before. The solver is told the shape that is learnt.
+    fn learn(
+        &mut self,
+        solver: &mut Solver,
+        signals: &[Option<f64>],
+        (solved, sign): (&Solved, f64),
+        time: Time,
+    ) -> Seen {
+        let up = solved.vertical.map(|c| sign * c);
+        let mut by_shape = [0.0; 3];
+        if let Some((by_share, contrast)) = solver.by_share(signals, solved) {
+            if sign > 0.0 {
+                self.shape.update(solved.contrast_k, contrast, time);
+                solver.set_share(self.shape.share());
             }
+            by_shape = by_share.map(|c| sign * self.shape.sigma() * c);
         }
-        let across = exact[1].hypot(exact[2]);
-        let angles = |u: Vector| Attitude { roll: u[1].atan2(exact[2]), pitch: u[0].atan2(across) };
-        let (given, plain) = (angles(larger), angles(exact));
-
-        // The ways that the vertical goes when roll or pitch grows, over how far it goes.
-        let (sin_roll, cos_roll) = plain.roll.sin_cos();
-        let roll = [0.0, cos_roll, -sin_roll].map(|c| c / across.max(LEAST_ACROSS));
-        let pitch = [across, -exact[0] * sin_roll, -exact[0] * cos_roll];
-        let noise = solver.spread(&self.signals, solved, [roll, pitch], PAIR_NOISE_K.hypot(solved.residual_k));
-        let [roll_noise, pitch_noise] = noise.unwrap_or([std::f64::consts::PI; 2]);
-        // What cannot be explained at all, and what the range has added.
-        let unexplained = (1.0 - solved.length).max(0.0);
-        let sigma = |noise: f64, given: f64, plain: f64| noise.hypot(unexplained).hypot(given - plain);
-        let sigma = Attitude {
-            roll: sigma(roll_noise, given.roll, plain.roll),
-            pitch: sigma(pitch_noise, given.pitch, plain.pitch),
-        };
-        (given, sigma)
+        let noise = PAIR_NOISE_K.hypot(solved.residual_k) / (PAIR_SLOPE * solved.contrast_k);
+        Seen { moved: self.motion.update(up, noise, time), by_shape, unseen: UNSEEN_LEAN }
     }
 }
 
 impl Estimator for ProfileEstimator {
+    fn set_lag_s(&mut self, lag_s: f64) {
+        if let (Some(flight), 0.0..=5.0) = (&mut self.flight, lag_s) {
+            flight.motion.set_lag_s(lag_s);
+        }
+    }
+
     fn update(&mut self, frame: &Frame) -> Solution {
         for (i, signal) in self.signals.iter_mut().enumerate() {
             *signal = self.head.signal_k(i, frame).ok();
         }
-        let solved = self.solver.as_ref().and_then(|s| Some((s, s.solve(&self.signals)?)));
+        let solved = self.solver.as_mut().and_then(|s| s.solve(&self.signals).map(|solved| (s, solved)));
         let (Some((solver, solved)), Some(time)) = (solved, frame.sample_time()) else {
             // A head that sees no contrast at all sees that.
             let seen_k = contrast_vector(&self.head, frame);
@@ -125,9 +162,13 @@ impl Estimator for ProfileEstimator {
         let doubted = range.filter(|r| solved.contrast_k > *r);
         let scaled = doubted.and_then(|r| solver.with_contrast(&self.signals, r));
         let ranged = self.range.value().and_then(|r| solver.with_contrast(&self.signals, r));
-        let (attitude, sigma) = self.attitude(solver, &solved, scaled.as_ref(), sign);
         self.residual = ranged.map(|r| r.length - 1.0);
         self.exchanged = sign < 0.0;
+        let seen = match &mut self.flight {
+            Some(flight) => flight.learn(solver, &self.signals, (&solved, sign), time),
+            None => Seen::alone(solved.vertical.map(|c| sign * c)),
+        };
+        let (attitude, sigma) = attitude(solver, &self.signals, &solved, &seen, scaled.as_ref());
         Solution {
             attitude: Some(attitude),
             sigma,

@@ -4,7 +4,7 @@ use super::inverse::Inverse;
 use super::root::{Point, root};
 use crate::direction::Direction;
 use crate::estimator::normal::Normal;
-use crate::estimator::vector::{Vector, dot, product};
+use crate::estimator::vector::{Vector, add_scaled, dot, product};
 use crate::sky::PairCurve;
 
 /// How far |u| may be from 1 at the contrast that is found: far below a hundredth of a degree.
@@ -19,11 +19,11 @@ const SMALLEST_SIGNAL_K: f64 = 1e-6;
 /// Places at which a bracket is looked for where the end of the search gives none.
 const PLACES: u32 = 32;
 
-/// Pairs in any directions under a sky of known shape.
+/// Pairs in any directions under a sky of known shape: that of one curve, or between two.
 #[derive(Clone, Debug)]
 pub struct Solver {
     directions: Vec<Direction>,
-    curve: PairCurve,
+    curves: [PairCurve; 2],
     inverse: Inverse,
     /// The inverse of the normal equations of all directions.
     all: [Vector; 3],
@@ -67,10 +67,25 @@ impl Solver {
     /// For pairs whose positive directions are `directions`, all with the shape of `curve`.
     /// `None` when they do not span space.
     pub fn new(directions: &[Direction], curve: PairCurve) -> Option<Self> {
+        Self::between(directions, [curve.clone(), curve])
+    }
+
+    /// The same for a shape between those of two curves: the first, until a share of the second is set.
+    pub fn between(directions: &[Direction], curves: [PairCurve; 2]) -> Option<Self> {
         let mut normal = Normal::default();
         directions.iter().for_each(|d| normal.add(*d));
-        let inverse = Inverse::new(&curve);
-        Some(Self { directions: directions.to_vec(), curve, inverse, all: normal.inverse()? })
+        let inverse = Inverse::between(&curves[0], &curves[1]);
+        Some(Self { directions: directions.to_vec(), curves, inverse, all: normal.inverse()? })
+    }
+
+    /// The shares of the second curve that can be, least and most, as [`Inverse::rising`] has it.
+    pub fn shares(&self) -> (f64, f64) {
+        self.inverse.rising()
+    }
+
+    /// The share of the second curve from now on.
+    pub fn set_share(&mut self, share: f64) {
+        self.inverse.set_share(share);
     }
 
     /// The vertical and the contrast behind `signals`, K, in the order of the directions; `None`
@@ -126,7 +141,7 @@ impl Solver {
         let present = self.present(signals)?;
         let per_k = 1.0 / solved.contrast_k;
         // What u moves by when the contrast does, over what its length does.
-        let pull = present.sum(|m| self.inverse.sine_and_slope(m * per_k).1 * m * per_k);
+        let pull = present.pull(per_k);
         let along = dot(pull, solved.vertical);
         let mut squares = [0.0; N];
         for (direction, m) in present.pairs() {
@@ -138,6 +153,18 @@ impl Solver {
             }
         }
         Some(squares.map(|s: f64| noise_k * s.sqrt()))
+    }
+
+    /// How the vertical of a solution goes with the share of the second curve, and the logarithm of its contrast.
+    pub fn by_share(&self, signals: &[Option<f64>], solved: &Solved) -> Option<(Vector, f64)> {
+        let present = self.present(signals)?;
+        let per_k = 1.0 / solved.contrast_k;
+        let pull = present.pull(per_k);
+        let other = present.sum(|m| self.inverse.by_share(m * per_k));
+        // The contrast goes as far as leaves the length 1.
+        let along = dot(pull, solved.vertical);
+        let contrast = if along > 0.0 { dot(other, solved.vertical) / along } else { 0.0 };
+        Some((add_scaled(other, -contrast, pull), contrast))
     }
 
     fn present<'a>(&'a self, signals: &'a [Option<f64>]) -> Option<Present<'a>> {
@@ -179,6 +206,11 @@ impl Present<'_> {
         self.sum(|m| self.solver.inverse.sine(m * per_k))
     }
 
+    /// How it goes with the logarithm of 1/D.
+    fn pull(&self, per_k: f64) -> Vector {
+        self.sum(|m| self.solver.inverse.sine_and_slope(m * per_k).1 * m * per_k)
+    }
+
     /// By how much its length exceeds 1, for 1/D = `x`/largest signal.
     fn excess(&self, x: f64) -> Point {
         let per_k = x / self.largest_k;
@@ -196,7 +228,9 @@ impl Present<'_> {
     }
 
     fn misfit_k(&self, vertical: Vector, contrast_k: f64) -> f64 {
-        let square = |(d, m): (Direction, f64)| (m - contrast_k * self.solver.curve.g(d.dot(vertical))).powi(2);
+        let ([one, other], share) = (&self.solver.curves, self.solver.inverse.share());
+        let g = |sine: f64| (1.0 - share) * one.g(sine) + share * other.g(sine);
+        let square = |(d, m): (Direction, f64)| (m - contrast_k * g(d.dot(vertical))).powi(2);
         (self.pairs().map(square).sum::<f64>() / self.count as f64).sqrt()
     }
 }

@@ -1,5 +1,6 @@
 use super::*;
-use crate::estimator::vector::dot;
+use crate::attitude::Attitude;
+use crate::estimator::vector::{Vector, dot};
 use crate::frame::{Missing, Sample, Value};
 use crate::head::{Sensor, SensorKind};
 use crate::simulation::noise::Noise;
@@ -155,6 +156,24 @@ fn no_angle_is_underestimated_on_the_solved_contrast_or_a_smaller_range() {
                     assert!(least(r, turn, roll) && least(p, climb, pitch), "{n} {share} {roll} {pitch}: {r} {p}");
                 }
             }
+        }
+    }
+}
+
+/// Before anything is learnt of the sky it is taken for the report's, and an angle in doubt is shown larger.
+#[test]
+fn in_flight_no_angle_is_underestimated_in_the_report_s_sky_and_none_is_far_off() {
+    let head = Flight::new(&ORTHOGONAL, usual()).method.head;
+    let fresh = ProfileEstimator::in_flight(head, FieldOfView::Gaussian { fwhm_deg: 90.0 }, 0.1, 3.0);
+    for (roll, pitch) in (-17..=17).flat_map(|roll| (-16..=16).map(move |pitch| (roll, pitch))) {
+        let (roll, pitch) = (f64::from(roll) * 5.0, f64::from(pitch) * 5.0);
+        let mut f = Flight { method: fresh.clone(), curve: usual().clone(), now_s: 100.0 };
+        let said: Vec<_> = (0..50).map(|_| f.fly(roll, pitch, 30.0, 0.02)).collect();
+        for s in [said[0], said[49]] {
+            let (r, p) = degrees(&s);
+            let good = |got: f64, truth: f64| (-0.06..1.8).contains(&((got - truth) * truth.signum()));
+            assert!(good(r, roll) && good(p, pitch), "{roll} {pitch}: {r} {p}");
+            assert!(s.sigma.roll > 0.03 && s.sigma.pitch > 0.03, "{s:?}");
         }
     }
 }
