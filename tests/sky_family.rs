@@ -1,6 +1,6 @@
 //! The family's one table against each sky's own, against integrals, and with arguments that are none.
 
-use irhorizon::sky::family::{LN_DEPTH, RADIANCE_K};
+use irhorizon::sky::family::{LN_DEPTH, RADIANCE_K, WIDER};
 use irhorizon::sky::{Averaging, Family, FieldOfView, Response, Shape};
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -29,7 +29,7 @@ fn alone(shape: Shape, field: FieldOfView, averaging: Averaging) -> Vec<f64> {
 }
 
 fn levels(family: &Family, ln_depth: f64, radiance: f64) -> Vec<f64> {
-    elevations().map(|e| family.level(sin_deg(e), ln_depth, radiance).value).collect()
+    elevations().map(|e| family.level(sin_deg(e), ln_depth, radiance, 0.0).value).collect()
 }
 
 fn largest_apart(a: &[f64], b: &[f64]) -> f64 {
@@ -99,25 +99,49 @@ fn averaging_in_radiance_is_part_of_it() {
     }
 }
 
+/// A field of view that was said wrongly is told by its spread: exactly at its ends, and hardly worse between and a
+/// little beyond.
+#[test]
+fn a_wider_or_narrower_field_of_view_is_part_of_it() {
+    for (spread, limit_k) in [(-1.5, 0.25), (-1.0, 0.01), (-0.5, 0.1), (0.5, 0.1), (1.0, 0.01), (1.5, 0.25)] {
+        let field = FieldOfView::Gaussian { fwhm_deg: 90.0 * (1.0 + WIDER * spread) };
+        for depth in [0.1_f64, 0.3, 0.8, 2.9] {
+            let own = alone(Shape::Grey { depth }, field, Averaging::Temperature);
+            let levels: Vec<f64> =
+                elevations().map(|e| FAMILY.level(sin_deg(e), depth.ln(), 0.0, spread).value).collect();
+            let off_k = CONTRAST_K * largest_apart(&own, &levels);
+            println!("spread {spread}, depth {depth}: {off_k:.3} K");
+            assert!(off_k < limit_k, "spread {spread}, depth {depth}: {off_k} K");
+        }
+    }
+}
+
 #[test]
 fn levels_rise_from_nothing_to_one() {
     for i in 0..=20 {
         let ln_depth = LN_DEPTH.0 + (LN_DEPTH.1 - LN_DEPTH.0) * f64::from(i) / 20.0;
-        let at = |e: f64| FAMILY.level(sin_deg(e), ln_depth, 0.0).value;
+        let at = |e: f64| FAMILY.level(sin_deg(e), ln_depth, 0.0, 0.0).value;
         // The integral's grain in very dry air: less than a millikelvin of 40.
         assert!(at(-90.0).abs() < 1e-9 && (at(90.0) - 1.0).abs() < 2e-5, "{ln_depth}");
         let all: Vec<f64> = (-900..=900).map(|e| at(f64::from(e) * 0.1)).collect();
         // A hair for the cubics between the entries.
         assert!(all.windows(2).all(|w| w[1] >= w[0] - 1e-5), "{ln_depth}");
+        // As wide or narrow as the filter lets it be, where the parabola is far from what it was made of.
+        for spread in [-2.0, -1.0, 1.0, 2.0] {
+            let at = |e: u32| FAMILY.level(sin_deg(f64::from(e) - 90.0), ln_depth, 0.0, spread).value;
+            let fall = (0..180).map(|e| at(e) - at(e + 1)).fold(0.0, f64::max);
+            assert!(fall < 1e-3, "{ln_depth} {spread}: {fall}");
+        }
     }
 }
 
 #[test]
 fn what_is_no_number_gives_none_and_what_is_too_far_the_end() {
-    for (sine, ln_depth, radiance) in [(f64::NAN, -1.0, 0.5), (0.3, f64::NAN, 0.5), (0.3, -1.0, f64::NAN)] {
-        assert!(FAMILY.level(sine, ln_depth, radiance).value.is_nan());
+    for i in 0..4 {
+        let [sine, ln_depth, radiance, spread] = std::array::from_fn(|k| if k == i { f64::NAN } else { 0.3 });
+        assert!(FAMILY.level(sine, ln_depth, radiance, spread).value.is_nan(), "{i}");
     }
-    let inside = |sine, ln_depth| FAMILY.level(sine, ln_depth, 0.5);
+    let inside = |sine, ln_depth| FAMILY.level(sine, ln_depth, 0.5, 0.7);
     for far in [1.1, 1e300, f64::INFINITY] {
         assert_eq!(inside(far, -1.0), inside(1.0, -1.0));
         assert_eq!(inside(-far, -1.0), inside(-1.0, -1.0));
@@ -126,24 +150,34 @@ fn what_is_no_number_gives_none_and_what_is_too_far_the_end() {
     }
     for x in [f64::NAN, 0.0, -5.0, 1e300] {
         let family = Family::new(FieldOfView::Gaussian { fwhm_deg: x });
-        assert!((0..=180).all(|e| family.level(sin_deg(f64::from(e) - 90.0), 0.0, 0.5).value.is_finite()), "{x}");
+        assert!((0..=180).all(|e| family.level(sin_deg(f64::from(e) - 90.0), 0.0, 0.5, 1.0).value.is_finite()), "{x}");
     }
 }
 
 proptest! {
     /// Slopes are what a small step changes, away from the poles.
     #[test]
-    fn slopes_are_differences(deg in -87.0..87.0_f64, ln_depth in (LN_DEPTH.0 + 0.1)..1.3_f64, radiance in 0.0..1.0_f64) {
+    fn slopes_are_differences(
+        deg in -87.0..87.0_f64,
+        ln_depth in (LN_DEPTH.0 + 0.1)..1.3_f64,
+        radiance in 0.0..1.0_f64,
+        spread in -2.0..2.0_f64,
+    ) {
         let (sine, h) = (sin_deg(deg), 1e-6);
-        let level = FAMILY.level(sine, ln_depth, radiance);
-        let value = |s: f64, d: f64, r: f64| FAMILY.level(s, d, r).value;
-        let by_sine = (value(sine + h, ln_depth, radiance) - value(sine - h, ln_depth, radiance)) / (2.0 * h);
+        let level = FAMILY.level(sine, ln_depth, radiance, spread);
+        let value = |s: f64, d: f64, w: f64| FAMILY.level(s, d, radiance, w).value;
+        let by_sine = (value(sine + h, ln_depth, spread) - value(sine - h, ln_depth, spread)) / (2.0 * h);
         prop_assert!((level.by_sine - by_sine).abs() < 1e-4, "{} and {by_sine}", level.by_sine);
-        let by_radiance = value(sine, ln_depth, radiance + 0.5) - value(sine, ln_depth, radiance - 0.5);
-        prop_assert!((level.by_radiance - by_radiance).abs() < 1e-9);
-        // Linear between two depths; on an entry the slope is one side's.
-        let [less, more] = [-h, h].map(|h| (value(sine, ln_depth + h, radiance) - level.value) / h);
-        let (least, most) = (less.min(more) - 1e-6, less.max(more) + 1e-6);
-        prop_assert!((least..=most).contains(&level.by_ln_depth), "{} not in {least}..{most}", level.by_ln_depth);
+        // Linear between two depths, and on either side of the field of view that was given; on an entry the slope is
+        // one side's.
+        let within = |slope: f64, less: f64, more: f64| {
+            let sides = [-h, h].into_iter().zip([less, more]).map(|(h, there)| (there - level.value) / h);
+            let (least, most) = sides.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), s| (l.min(s), m.max(s)));
+            (least - 1e-6..=most + 1e-6).contains(&slope)
+        };
+        let by_depth = within(level.by_ln_depth, value(sine, ln_depth - h, spread), value(sine, ln_depth + h, spread));
+        prop_assert!(by_depth, "{}", level.by_ln_depth);
+        let by_spread = within(level.by_spread, value(sine, ln_depth, spread - h), value(sine, ln_depth, spread + h));
+        prop_assert!(by_spread, "{}", level.by_spread);
     }
 }

@@ -22,6 +22,9 @@ const ELEVATIONS: usize = 181;
 /// Steps of the sine of elevation while the table is being made.
 const SINES: usize = 512;
 
+/// One number for each elevation.
+type Row = [f64; ELEVATIONS];
+
 /// What a sensor sees of a grey atmosphere, against its axis' elevation and the logarithm of the
 /// atmosphere's optical depth, as [`LN_DEPTH`] says.
 ///
@@ -30,10 +33,12 @@ const SINES: usize = 512;
 #[derive(Clone, Debug)]
 pub struct Family {
     /// By depth, then by elevation from −90° in steps of 1°.
-    table: Vec<[f64; ELEVATIONS]>,
+    table: Vec<Row>,
+    /// What the spread of the field of view adds, and its square.
+    by_spread: Vec<[Row; 2]>,
     /// What averaging in radiance adds to the level at [`RADIANCE_K`] of contrast, less what another
     /// ground, contrast and depth would do as well; by elevation.
-    radiance: [f64; ELEVATIONS],
+    radiance: Row,
 }
 
 /// A look-up with its slopes.
@@ -45,14 +50,13 @@ pub struct Level {
     pub by_sine: f64,
     /// Its change with the logarithm of the depth.
     pub by_ln_depth: f64,
-    /// Its change with the share of averaging in radiance.
-    pub by_radiance: f64,
+    /// Its change with the spread of the field of view.
+    pub by_spread: f64,
 }
 
 impl Family {
-    /// Makes the table, in a few milliseconds.
+    /// Makes the table, in some ten milliseconds.
     pub fn new(field: FieldOfView) -> Self {
-        let nodes = field.nodes();
         let depths: Vec<f64> = (0..DEPTHS).map(depth).collect();
         let deficits: Vec<[f64; DEPTHS]> = (0..=SINES)
             .map(|i| {
@@ -60,44 +64,28 @@ impl Family {
                 std::array::from_fn(|d| Shape::Grey { depth: depths[d] }.deficit(s))
             })
             .collect();
-        let mut table = vec![[0.0; ELEVATIONS]; DEPTHS];
-        let mut fourth = [0.0; ELEVATIONS];
-        let mut shares = vec![0.0; SINES + 1];
-        for e in 0..ELEVATIONS {
-            // How the view is spread over the sine of elevation: alike for every sky.
-            shares.fill(0.0);
-            let (sin, cos) = (e as f64 - 90.0).to_radians().sin_cos();
-            for n in &nodes {
-                let sine = (n.along * sin + n.across * cos).min(1.0);
-                let place = sine * SINES as f64;
-                if place > 0.0 {
-                    let cell = (place as usize).min(SINES - 1);
-                    let part = n.weight * (place - cell as f64);
-                    shares[cell] += n.weight - part;
-                    shares[cell + 1] += part;
-                }
-            }
-            for (share, deficit) in shares.iter().zip(&deficits).filter(|(share, _)| **share > 0.0) {
-                for (row, d) in table.iter_mut().zip(deficit) {
-                    row[e] += share * d;
-                }
-                fourth[e] += share * (1.0 - (1.0 - deficit[MIDDLE] * RADIANCE_K / GROUND_K).powi(4));
-            }
-        }
+        let (table, fourth) = tables(field, &deficits);
         let mut radiance = fourth.map(|f| (1.0 - (1.0 - f).sqrt().sqrt()) * GROUND_K / RADIANCE_K);
         normalise(&mut radiance);
-        table.iter_mut().for_each(normalise);
         // The depth that explains most of it.
         let rest = table.windows(3).map(|like| unlike(radiance, [&like[0], &like[2]]));
-        let size = |v: &[f64; ELEVATIONS]| v.iter().map(|c| c * c).sum::<f64>();
+        let size = |v: &Row| v.iter().map(|c| c * c).sum::<f64>();
         let radiance = rest.min_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or([0.0; ELEVATIONS]);
-        Self { radiance, table }
+        let [narrower, wider] = [-WIDER, WIDER].map(|by| tables(field.scaled(1.0 + by), &deficits).0);
+        // Through the three.
+        let parabola = |((at, less), more): ((&Row, &Row), &Row)| {
+            let slope = std::array::from_fn(|e| (more[e] - less[e]) / 2.0);
+            [slope, std::array::from_fn(|e| (more[e] + less[e]) / 2.0 - at[e])]
+        };
+        let by_spread = table.iter().zip(&narrower).zip(&wider).map(parabola).collect();
+        Self { table, by_spread, radiance }
     }
 
     /// The level with the axis at the elevation whose sine is `sine` under a sky of `ln_depth`;
     /// both are kept inside the table. `radiance` 0: averaged in temperature, 1: in radiance at
-    /// [`RADIANCE_K`]. NaN gives NaN.
-    pub fn level(&self, sine: f64, ln_depth: f64, radiance: f64) -> Level {
+    /// [`RADIANCE_K`]. `spread` 0: with the field of view that was given, 1: with one wider by [`WIDER`] of it, -1: narrower
+    /// by that. NaN gives NaN.
+    pub fn level(&self, sine: f64, ln_depth: f64, radiance: f64, spread: f64) -> Level {
         let sine = sine.clamp(-1.0, 1.0);
         let place = sine.asin().to_degrees() + 90.0;
         let cell = (place as usize).min(ELEVATIONS - 2);
@@ -106,18 +94,30 @@ impl Family {
         let row = (depth as usize).min(DEPTHS - 2);
         let y = depth - row as f64;
         let weights = Spline::at(x);
-        let [low, high, other] = [&self.table[row], &self.table[row + 1], &self.radiance].map(|t| weights.of(t, cell));
-        let by_degree = low.1 + y * (high.1 - low.1) + radiance * other.1;
+        // The four neighbours at this depth and spread, then the spline.
+        let ([low, high], [by_low, by_high]) =
+            ([&self.table[row], &self.table[row + 1]], [&self.by_spread[row], &self.by_spread[row + 1]]);
+        let square = spread * spread;
+        let mut sums = [[0.0; 2]; 3];
+        for (i, weight) in weights.near(cell) {
+            let spread_at = |by: &[Row; 2]| spread * by[0][i] + square * by[1][i];
+            let (low, high) = (low[i] + spread_at(by_low), high[i] + spread_at(by_high));
+            let slope = |by: &[Row; 2]| by[0][i] + 2.0 * spread * by[1][i];
+            let by_spread = slope(by_low) + y * (slope(by_high) - slope(by_low));
+            let value = low + y * (high - low) + radiance * self.radiance[i];
+            for (sum, term) in sums.iter_mut().zip([value, high - low, by_spread]) {
+                *sum = [sum[0] + weight[0] * term, sum[1] + weight[1] * term];
+            }
+        }
+        let [[value, by_degree], [by_row, _], [by_spread, _]] = sums;
         // A degree of elevation is this much of its sine; near the poles the slope is a little off.
         let cosine = (1.0 - sine * sine).max(1e-4).sqrt();
-        Level {
-            value: low.0 + y * (high.0 - low.0) + radiance * other.0,
-            by_sine: by_degree.to_degrees() / cosine,
-            by_ln_depth: (high.0 - low.0) / STEP,
-            by_radiance: other.0,
-        }
+        Level { value, by_sine: by_degree.to_degrees() / cosine, by_ln_depth: by_row / STEP, by_spread }
     }
 }
+
+/// As much wider, of its own width, is a field of view of spread 1.
+pub const WIDER: f64 = 0.15;
 
 /// The contrast for which the table of averaging in radiance is made, and the ground's temperature, K.
 pub const RADIANCE_K: f64 = 40.0;
@@ -133,8 +133,40 @@ fn depth(i: usize) -> f64 {
     (if ln < DRY { DRY + DRY_STEPS * (ln - DRY) } else { ln }).exp()
 }
 
+/// The levels by depth, and the mean of the fourth powers at [`MIDDLE`], for what the sky is less than the ground by sine
+/// of elevation and depth.
+fn tables(field: FieldOfView, deficits: &[[f64; DEPTHS]]) -> (Vec<Row>, Row) {
+    let nodes = field.nodes();
+    let mut table = vec![[0.0; ELEVATIONS]; DEPTHS];
+    let mut fourth = [0.0; ELEVATIONS];
+    let mut shares = vec![0.0; SINES + 1];
+    for e in 0..ELEVATIONS {
+        // How the view is spread over the sine of elevation: alike for every sky.
+        shares.fill(0.0);
+        let (sin, cos) = (e as f64 - 90.0).to_radians().sin_cos();
+        for n in &nodes {
+            let sine = (n.along * sin + n.across * cos).min(1.0);
+            let place = sine * SINES as f64;
+            if place > 0.0 {
+                let cell = (place as usize).min(SINES - 1);
+                let part = n.weight * (place - cell as f64);
+                shares[cell] += n.weight - part;
+                shares[cell + 1] += part;
+            }
+        }
+        for (share, deficit) in shares.iter().zip(deficits).filter(|(share, _)| **share > 0.0) {
+            for (row, d) in table.iter_mut().zip(deficit) {
+                row[e] += share * d;
+            }
+            fourth[e] += share * (1.0 - (1.0 - deficit[MIDDLE] * RADIANCE_K / GROUND_K).powi(4));
+        }
+    }
+    table.iter_mut().for_each(normalise);
+    (table, fourth)
+}
+
 /// 0 at its beginning, 1 at its end, never falling.
-fn normalise(row: &mut [f64; ELEVATIONS]) {
+fn normalise(row: &mut Row) {
     let (down, up) = (row[0], row[ELEVATIONS - 1]);
     let mut least = 0.0_f64;
     for v in row.iter_mut() {
@@ -147,10 +179,10 @@ fn normalise(row: &mut [f64; ELEVATIONS]) {
 
 /// What is left of `row` when an offset, and as much of the `like` rows as explains most, are taken off
 /// (Gram and Schmidt).
-fn unlike(row: [f64; ELEVATIONS], like: [&[f64; ELEVATIONS]; 2]) -> [f64; ELEVATIONS] {
-    let dot = |a: &[f64; ELEVATIONS], b: &[f64; ELEVATIONS]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    let mut basis: Vec<[f64; ELEVATIONS]> = Vec::new();
-    let less = |mut v: [f64; ELEVATIONS], basis: &[[f64; ELEVATIONS]]| {
+fn unlike(row: Row, like: [&Row; 2]) -> Row {
+    let dot = |a: &Row, b: &Row| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let mut basis: Vec<Row> = Vec::new();
+    let less = |mut v: Row, basis: &[Row]| {
         for b in basis {
             let share = dot(&v, b);
             v.iter_mut().zip(b).for_each(|(v, b)| *v -= share * b);
@@ -181,12 +213,10 @@ impl Spline {
         ])
     }
 
-    /// Value and slope, an entry, in `row` past `cell`.
-    fn of(&self, row: &[f64; ELEVATIONS], cell: usize) -> (f64, f64) {
-        let before = row[if cell == 0 { 1 } else { cell - 1 }];
-        let after = row[if cell + 2 == ELEVATIONS { ELEVATIONS - 2 } else { cell + 2 }];
-        let near = [before, row[cell], row[cell + 1], after];
-        let sum = |k: usize| self.0.iter().zip(near).map(|(w, v)| w[k] * v).sum();
-        (sum(0), sum(1))
+    /// The entries about `cell` with their weights.
+    fn near(&self, cell: usize) -> impl Iterator<Item = (usize, [f64; 2])> {
+        let before = if cell == 0 { 1 } else { cell - 1 };
+        let after = if cell + 2 == ELEVATIONS { ELEVATIONS - 2 } else { cell + 2 };
+        [before, cell, cell + 1, after].into_iter().zip(self.0)
     }
 }

@@ -40,6 +40,15 @@ const OFF_AXIS: usize = 48;
 const AROUND: usize = 48;
 
 impl FieldOfView {
+    /// One `times` as wide, as far as a field of view can be.
+    pub fn scaled(self, times: f64) -> Self {
+        match self {
+            Self::InPlane { half_deg } => Self::InPlane { half_deg: half_deg * times },
+            Self::Cone { half_deg } => Self::Cone { half_deg: half_deg * times },
+            Self::Gaussian { fwhm_deg } => Self::Gaussian { fwhm_deg: fwhm_deg * times },
+        }
+    }
+
     /// The field as weighted directions (midpoint rule). About 2300; to be made once.
     pub fn nodes(self) -> Vec<Node> {
         let mut nodes = match self {
@@ -116,6 +125,17 @@ mod tests {
         // ∫ sin a cos² a / ∫ sin a cos a
         let cone = (1.0 - h.cos().powi(3)) / 3.0 / (h.sin().powi(2) / 2.0);
         assert!((mean(FieldOfView::Cone { half_deg: 50.0 }) - cone).abs() < 1e-4);
+    }
+
+    #[test]
+    fn wider_is_as_much_wider() {
+        for (field, wider) in [
+            (FieldOfView::InPlane { half_deg: 50.0 }, FieldOfView::InPlane { half_deg: 60.0 }),
+            (FieldOfView::Cone { half_deg: 30.0 }, FieldOfView::Cone { half_deg: 36.0 }),
+            (FieldOfView::Gaussian { fwhm_deg: 90.0 }, FieldOfView::Gaussian { fwhm_deg: 108.0 }),
+        ] {
+            assert_eq!(field.scaled(1.2), wider);
+        }
     }
 
     #[test]

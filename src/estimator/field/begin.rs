@@ -4,7 +4,7 @@ use super::adapt::SceneStrength;
 use super::aid::Aid;
 use super::correct::Misfit;
 use super::start::start;
-use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, State, TURN};
+use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPREAD, State, TURN};
 use super::{FieldEstimator, Tuning};
 use crate::estimator::whiteness::Whiteness;
 use crate::time::Time;
@@ -40,7 +40,6 @@ impl FieldEstimator {
         s.x[GROUND] = start.scene.ground_c;
         s.x[CONTRAST] = start.scene.contrast_k;
         s.x[DEPTH] = start.scene.ln_depth;
-        s.x[RADIANCE] = t.radiance.0;
         let sigmas = [
             (TURN, 0.1),
             (TURN + 1, 0.1),
@@ -48,7 +47,7 @@ impl FieldEstimator {
             (GROUND, 2.0),
             (CONTRAST, (0.15 * start.scene.contrast_k).hypot(1.0)),
             (DEPTH, t.depth.1),
-            (RADIANCE, t.radiance.1),
+            (SPREAD, t.spread),
             (OFFSET, t.offset.0),
             (OFFSET + 1, t.offset.0),
         ];

@@ -3,16 +3,16 @@
 use super::FieldEstimator;
 use super::adapt::{Directions, Pattern, dot};
 use super::predict::scene;
-use super::state::{DEPTH, MAX_SENSORS, RADIANCE, SEEN};
+use super::state::{DEPTH, MAX_SENSORS, SEEN, SPREAD};
+use crate::sky::family::LN_DEPTH;
 
 /// A reading farther from its prediction than this many standard deviations weighs less.
 const GATE: f64 = 6.0;
 /// One reading, and no more, this far from its prediction is left out, for so long, s: what lasts is no glitch.
 const OUTLIER: f64 = 20.0;
 const GLITCH_S: f64 = 0.3;
-/// The share of averaging in radiance may be so many standard deviations from what is expected: it stands for a sky of
-/// another shape, too, but not for a wall.
-const POSSIBLE: f64 = 3.0;
+/// The spread of the field of view may be so much: it stands for a sky of another shape, too, but not for a wall.
+const WIDEST: f64 = 2.0;
 /// Over this time the misfit is averaged, s.
 const MISFIT_S: f64 = 0.5;
 /// So many times the expected misfit and the filter is lost; with a gyro, that is what is wrong.
@@ -93,13 +93,8 @@ impl FieldEstimator {
             let variance = noise.max(squared / (GATE * GATE) - predicted);
             self.state.read(SEEN + i, innovation, variance);
         }
-        let (expected, sigma) = self.tuning.radiance;
-        let beyond = self.state.x[RADIANCE] - expected;
-        let impossible = beyond - beyond.clamp(-POSSIBLE * sigma, POSSIBLE * sigma);
-        if impossible != 0.0 {
-            let variance = self.state.p[RADIANCE][RADIANCE];
-            self.state.correct(&[(RADIANCE, 1.0)], -impossible, 1e-3 * variance);
-        }
+        self.state.bound(DEPTH, LN_DEPTH);
+        self.state.bound(SPREAD, (-WIDEST, WIDEST));
         self.state.settle();
         if count > 1.0 {
             let share = -(-dt_s / MISFIT_S).exp_m1();

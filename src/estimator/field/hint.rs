@@ -44,7 +44,7 @@ impl FieldEstimator {
 #[cfg(test)]
 mod tests {
     use super::super::Tuning;
-    use super::super::state::{CONTRAST, DEPTH, GROUND, LEAN, RADIANCE};
+    use super::super::state::{CONTRAST, DEPTH, GROUND, LEAN};
     use super::*;
     use crate::attitude::Attitude;
     use crate::estimator::vector::unit;
@@ -59,7 +59,7 @@ mod tests {
         let mut e = FieldEstimator::new(head, FieldOfView::Gaussian { fwhm_deg: 90.0 }, Tuning::default());
         let at_rest = Aiding { gyro_deg_s: [Some(0.0); 3], ..Aiding::default() };
         e.gyro.update(&at_rest, Time::from_secs_f64(10.0), 0.02);
-        for (i, value) in [(GROUND, 15.0), (CONTRAST, 35.0), (DEPTH, -1.2), (RADIANCE, 0.5)] {
+        for (i, value) in [(GROUND, 15.0), (CONTRAST, 35.0), (DEPTH, -1.2)] {
             e.state.x[i] = value;
         }
         let up = attitude.vertical();

@@ -8,6 +8,10 @@ use crate::sky::family::RADIANCE_K;
 use crate::sky::{Family, FieldOfView};
 use crate::time::Time;
 
+/// The share of averaging in radiance: sensors do something between that and averaging in temperature, and which of them
+/// is less to be told apart than how wide they see.
+const AVERAGED: f64 = 0.5;
+
 /// One sensor.
 #[derive(Clone, Copy, Debug)]
 struct Channel {
@@ -37,8 +41,8 @@ pub struct Seen {
     pub by_depth: f64,
     /// With the sensor's own scene: the share of sky in what it sees.
     pub sky: f64,
-    /// With the share of averaging in radiance, K.
-    pub by_radiance: f64,
+    /// With the spread of the field of view, K.
+    pub by_spread: f64,
     /// With how far the horizon leans up to north and to west, K/rad.
     pub by_lean: [f64; 2],
 }
@@ -52,8 +56,8 @@ pub struct Scene {
     pub contrast_k: f64,
     /// The logarithm of the sky's depth, as [`Family`] counts it.
     pub ln_depth: f64,
-    /// The share of averaging in radiance.
-    pub radiance: f64,
+    /// How much wider the sensors see than they are said to, as [`Family`] counts it.
+    pub spread: f64,
     /// How far the horizon that is seen leans up to north and to west, where it is warmer, rad.
     pub lean: [f64; 2],
 }
@@ -99,8 +103,9 @@ impl Model {
         let up = add_scaled(add_scaled(*up, -scene.lean[0], *north), -scene.lean[1], *west);
         let up = unit(up).unwrap_or(axes[2]);
         let sine = dot(direction, up);
-        let share = scene.contrast_k / RADIANCE_K;
-        let high = self.family.level(sine, scene.ln_depth, scene.radiance * share);
+        let averaged = AVERAGED * scene.contrast_k / RADIANCE_K;
+        let level = |sine: f64| self.family.level(sine, scene.ln_depth, averaged, scene.spread);
+        let high = level(sine);
         let by_turn = |slope: f64| cross(direction, up.map(|c| slope * c));
         let by_lean = |slope: f64| [north, west].map(|level| -slope * dot(direction, *level));
         match kind {
@@ -113,12 +118,12 @@ impl Model {
                     by_contrast: -high.value,
                     by_depth: -scene.contrast_k * high.by_ln_depth,
                     sky: (high.value * 3.0).clamp(0.35, 1.0),
-                    by_radiance: -scene.contrast_k * share * high.by_radiance,
+                    by_spread: -scene.contrast_k * high.by_spread,
                     by_lean: by_lean(slope),
                 }
             }
             SensorKind::Pair { .. } => {
-                let low = self.family.level(-sine, scene.ln_depth, scene.radiance * share);
+                let low = level(-sine);
                 let slope = scene.contrast_k * (high.by_sine + low.by_sine);
                 Seen {
                     value: scene.contrast_k * (high.value - low.value),
@@ -127,7 +132,7 @@ impl Model {
                     by_contrast: high.value - low.value,
                     by_depth: scene.contrast_k * (high.by_ln_depth - low.by_ln_depth),
                     sky: 1.4,
-                    by_radiance: scene.contrast_k * share * (high.by_radiance - low.by_radiance),
+                    by_spread: scene.contrast_k * (high.by_spread - low.by_spread),
                     by_lean: by_lean(slope),
                 }
             }

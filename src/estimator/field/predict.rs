@@ -1,7 +1,7 @@
 //! From one frame to the next: how the state moves, and what that leaves in doubt.
 
 use super::model::{Model, Scene};
-use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, State, TURN};
+use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPREAD, State, TURN};
 use super::tuning::Tuning;
 use crate::estimator::flying::G_M_S2;
 use crate::estimator::vector::{Vector, add_scaled, cross, length, product, rotation, unit};
@@ -172,7 +172,7 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
             (GROUND, s.by_ground),
             (CONTRAST, s.by_contrast),
             (DEPTH, s.by_depth),
-            (RADIANCE, s.by_radiance),
+            (SPREAD, s.by_spread),
             (LEAN, north),
             (LEAN + 1, west),
             (own, s.sky),
@@ -205,7 +205,7 @@ pub fn scene(state: &State) -> Scene {
         ground_c: state.x[GROUND],
         contrast_k: state.x[CONTRAST],
         ln_depth: state.x[DEPTH],
-        radiance: state.x[RADIANCE],
+        spread: state.x[SPREAD],
         lean: [state.x[LEAN], state.x[LEAN + 1]],
     }
 }

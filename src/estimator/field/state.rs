@@ -21,8 +21,8 @@ pub const LEAN: usize = 9;
 pub const OFFSET: usize = 11;
 /// The logarithm of the sensors' time constant over the configured one.
 pub const LAG: usize = 13;
-/// The share of averaging in radiance.
-pub const RADIANCE: usize = 14;
+/// How much wider the sensors see than they are said to, as [`Family`](crate::sky::family::Family) counts it.
+pub const SPREAD: usize = 14;
 /// What each sensor shows, lag included; then each sensor's own scene.
 pub const SEEN: usize = 15;
 
@@ -111,6 +111,16 @@ impl State {
         gain(&mut self.x, &mut self.p, n, &ph, ph[i] + variance, innovation);
         for (k, (x, north, west)) in (LEAN..).zip(lean) {
             (self.x[k], self.p[k][LEAN], self.p[k][LEAN + 1]) = (x, north, west);
+        }
+    }
+
+    /// Moves state `i` into its bounds, and the others as they go with it. How well all are known stays.
+    pub fn bound(&mut self, i: usize, (least, most): (f64, f64)) {
+        let beyond = self.x[i] - self.x[i].clamp(least, most);
+        if beyond != 0.0 {
+            let (n, column) = (self.size(), self.p[i]);
+            let share = beyond / column[i].max(f64::MIN_POSITIVE);
+            self.x[..n].iter_mut().zip(&column[..n]).for_each(|(x, p)| *x -= share * p);
         }
     }
 

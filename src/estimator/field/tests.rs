@@ -1,11 +1,12 @@
 //! A flight under a sky of the family; what spoils it; the parts that learn.
 
-use super::state::{RADIANCE, RATE, SEEN};
+use super::state::{DEPTH, RATE, SEEN, SPREAD};
 use super::*;
 use crate::attitude::Attitude;
 use crate::frame::{Aiding, Sample};
 use crate::simulation::noise::Noise;
 use crate::simulation::scenario::Scenario;
+use crate::sky::family::LN_DEPTH;
 use crate::source::FrameSource;
 
 /// The largest error of roll and pitch, °, over the last half of `seconds` of a scenario whose frames
@@ -145,13 +146,21 @@ fn one_reading_that_cannot_be_is_left_out_for_a_moment_and_no_longer() {
     assert!(heard(expected) && !heard(far), "another one");
 }
 
+/// Learnt beyond its bounds while a quick roll was taken for another sky, the depth took minutes to come back.
 #[test]
-fn the_share_of_averaging_in_radiance_does_not_run_away() {
-    for (gone, back) in [(11.0, 2.0), (-2.2, -1.0), (0.9, 0.9)] {
+fn neither_the_sky_s_depth_nor_how_wide_the_sensors_see_runs_away() {
+    for (i, (least, most)) in [(SPREAD, (-2.0, 2.0)), (DEPTH, LN_DEPTH)] {
         let (mut e, _) = flown();
-        e.state.x[RADIANCE] = gone;
-        e.correct(&[None; MAX_SENSORS], 0.02);
-        assert!((e.state.x[RADIANCE] - back).abs() < 0.02 && e.state.is_sound(), "{gone}: {}", e.state.x[RADIANCE]);
+        let before = e.state.p[i][i];
+        for (gone, back) in [(most + 2.0, most), (least - 1.2, least), (0.9, 0.9)] {
+            e.state.x[i] = gone;
+            e.state.bound(i, (least, most));
+            assert!((e.state.x[i] - back).abs() < 1e-9 && e.state.p[i][i] == before, "{gone}: {}", e.state.x[i]);
+        }
+        e.state.x[i] = most + 2.0;
+        // Each pulls the other along.
+        (0..200).for_each(|_| e.correct(&[None; MAX_SENSORS], 0.02));
+        assert!(e.state.x[i] < most + 0.3 && e.state.is_sound(), "{}", e.state.x[i]);
     }
 }
 

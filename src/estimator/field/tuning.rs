@@ -29,8 +29,9 @@ pub struct Tuning {
     /// The logarithm of the sky's optical depth, as [`Family`](crate::sky::family::Family) counts it: mean, standard
     /// deviation, walk.
     pub depth: (f64, f64, f64),
-    /// The share of averaging in radiance: mean and standard deviation.
-    pub radiance: (f64, f64),
+    /// How much wider the sensors see than they are said to, as [`Family`](crate::sky::family::Family) counts it: standard
+    /// deviation.
+    pub spread: f64,
     /// How far a horizon leans where one side is warmer: at first and its walk.
     pub lean: (f64, f64),
     /// What its walk is more, as a share of what has been found.
@@ -82,7 +83,7 @@ impl Default for Tuning {
             ground_walk: 0.1,
             contrast: (0.02, 5.0),
             depth: (-1.2, 0.8, 0.005),
-            radiance: (0.5, 0.5),
+            spread: 0.4,
             lean: (deg(0.05), deg(0.0022)),
             lean_share: 0.006,
             unlike_lean_walk: deg(0.1),

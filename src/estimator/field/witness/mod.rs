@@ -76,7 +76,7 @@ pub struct Witnesses {
     window: Window,
     /// The gyro's rates as the sensors show them.
     shown: Option<Vector>,
-    /// The sky's shape: the logarithm of its depth, the share of averaging in radiance; the size of scenes, K; how much the
+    /// The sky's shape: the logarithm of its depth, the spread of the field of view; the size of scenes, K; how much the
     /// body turns without a gyro.
     shape: [f64; 6],
 }
@@ -151,7 +151,7 @@ impl Witnesses {
         let n = model.sensors();
         let own_k = known.pace.scene_k2.sqrt().max(SCENE.0).max(SCENE.1 * known.sky.contrast_k.abs());
         let [roll, pitch, yaw] = known.pace.rate;
-        let now = [known.sky.ln_depth, known.sky.radiance, own_k, roll, pitch, yaw];
+        let now = [known.sky.ln_depth, known.sky.spread, own_k, roll, pitch, yaw];
         let sound = self.all.iter().chain(&self.without).all(Witness::is_sound);
         if self.all.is_none() || !sound || self.without.len() != n {
             let mut all = Witness::new(known.axes, &known.sky, n, own_k);
@@ -186,7 +186,7 @@ impl Witnesses {
             walk_k: [WALK.0, contrast * WALK.1.max(known.pace.contrast * t.contrast.0)],
             own: (own_k, keep),
             noise_k: t.noise_k,
-            sky: Scene { ln_depth: self.shape[0], radiance: self.shape[1], ..known.sky },
+            sky: Scene { ln_depth: self.shape[0], spread: self.shape[1], ..known.sky },
         };
         let readings: [Option<f64>; MAX_SENSORS] =
             std::array::from_fn(|i| (window.count[i] > 0).then(|| window.sum[i] / f64::from(window.count[i])));

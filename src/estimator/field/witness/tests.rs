@@ -8,7 +8,7 @@ use crate::simulation::noise::Noise;
 use crate::sky::FieldOfView;
 use std::f64::consts::TAU;
 
-const SKY: Scene = Scene { ground_c: 15.0, contrast_k: 35.0, ln_depth: -1.2, radiance: 0.5, lean: [0.0; 2] };
+const SKY: Scene = Scene { ground_c: 15.0, contrast_k: 35.0, ln_depth: -1.2, spread: 0.0, lean: [0.0; 2] };
 const NOISE_K: f64 = 0.08;
 const PACE: Pace =
     Pace { rate: [1.0; 3], gyro: [1.0; 3], contrast: 1.0, scene_k2: 0.0225, leaning: 0.0, long_unlike: 0.0 };
