@@ -10,11 +10,11 @@ mod flights;
 mod schemes;
 
 use clap::Parser;
-use flights::{Flown, score};
+use flights::{Flown, hear, said, score};
 use irhorizon::attitude::Attitude;
 use irhorizon::ctl::score::statistics::{Said, Score};
 use irhorizon::estimator::{Estimator, InverseSineEstimator, ProfileEstimator};
-use irhorizon::frame::{Aiding, Frame};
+use irhorizon::frame::Frame;
 use irhorizon::head::Head;
 use irhorizon::simulation::scenario::{LIST, Scenario};
 use irhorizon::sky::FieldOfView;
@@ -39,11 +39,8 @@ type Update = Box<dyn FnMut(&Frame) -> Option<Said>>;
 /// Makes a method for a head under a scenario.
 type Make = Box<dyn Fn(&Head, &str) -> Update>;
 
-fn ours(mut estimator: impl Estimator + 'static) -> Update {
-    Box::new(move |frame| {
-        let solution = estimator.update(frame);
-        solution.attitude.map(|a| Said::new(a, solution.sigma))
-    })
+fn ours(estimator: impl Estimator + 'static) -> Update {
+    Box::new(said(estimator))
 }
 
 /// The time constant that sensors are said to have, s: the scenario's own.
@@ -122,12 +119,7 @@ fn line(name: &str, differential: bool) -> Option<String> {
     let (flights, head) = (Flown::all(&scenario), scenario.head());
     let mut line = format!("| {name} |");
     for column in columns() {
-        let hear = |frame: &mut Frame| {
-            if !column.aided {
-                frame.aiding = Aiding::default();
-            }
-        };
-        let score = score(&flights, hear, || (column.make)(&head, name));
+        let score = score(&flights, hear(column.aided), || (column.make)(&head, name));
         line += &format!(" {} |", cell(&score, column.sigma));
     }
     Some(line)

@@ -5,12 +5,11 @@ mod field;
 mod flights;
 
 use field::field;
-use flights::{Flown, score};
+use flights::{Flown, hear, said, score};
 use irhorizon::attitude::Estimate;
 use irhorizon::config::Settings;
 use irhorizon::ctl::score::statistics::{Said, Score};
-use irhorizon::estimator::Estimator;
-use irhorizon::frame::{Aiding, Frame, Missing};
+use irhorizon::frame::{Frame, Missing};
 use irhorizon::head::Head;
 use irhorizon::horizon::Horizon;
 use irhorizon::simulation::Scenario;
@@ -28,11 +27,7 @@ const CLEAR: [Limits; 2] = [[0.40, 0.28, 1.1, 0.9], [0.10, 0.10, 0.35, 0.2]];
 
 /// A fresh estimator for six sensors that are told to lag by `lag_s`.
 fn fresh(lag_s: f64) -> impl FnMut(&Frame) -> Option<Said> {
-    let mut estimator = field(&Head::six(), lag_s);
-    move |frame| {
-        let solution = estimator.update(frame);
-        solution.attitude.map(|a| Said::new(a, solution.sigma))
-    }
+    said(field(&Head::six(), lag_s))
 }
 
 /// All that the daemon makes of frames by default: detectors, trim learnt in flight, the guard.
@@ -43,10 +38,6 @@ fn whole() -> impl FnMut(&Frame) -> Option<Said> {
         horizon.update(frame, &[], &mut estimate);
         estimate.attitude.map(|a| Said::new(a, estimate.sigma))
     }
-}
-
-fn without_aiding(frame: &mut Frame) {
-    frame.aiding = Aiding::default();
 }
 
 fn degrees(score: &Score) -> Limits {
@@ -129,8 +120,8 @@ fn none(missed: &[String]) {
 fn row(name: &str, lag_s: f64, [alone, aided]: [Limits; 2]) {
     let flights = flown(name);
     let make = || fresh(lag_s);
-    let mut missed = misses(&format!("{name} without aiding"), &score(&flights, without_aiding, make), alone);
-    missed.extend(misses(&format!("{name} with rates and GPS"), &score(&flights, |_| (), make), aided));
+    let mut missed = misses(&format!("{name} without aiding"), &score(&flights, hear(false), make), alone);
+    missed.extend(misses(&format!("{name} with rates and GPS"), &score(&flights, hear(true), make), aided));
     none(&missed);
 }
 
@@ -140,8 +131,8 @@ fn as_the_daemon_flies() {
     let mut missed = Vec::new();
     for name in ["clear-dry", "clear-humid"] {
         let flights = flown(name);
-        missed.extend(misses(&format!("{name} without aiding"), &score(&flights, without_aiding, whole), CLEAR[0]));
-        missed.extend(misses(&format!("{name} with rates and GPS"), &score(&flights, |_| (), whole), CLEAR[1]));
+        missed.extend(misses(&format!("{name} without aiding"), &score(&flights, hear(false), whole), CLEAR[0]));
+        missed.extend(misses(&format!("{name} with rates and GPS"), &score(&flights, hear(true), whole), CLEAR[1]));
     }
     none(&missed);
 }
@@ -203,12 +194,8 @@ fn five_of_six_sensors() {
     let flights = flown("clear-dry");
     let mut missed = Vec::new();
     for aided in [false, true] {
-        let change = |frame: &mut Frame| {
-            if !aided {
-                without_aiding(frame);
-            }
-        };
-        let six = degrees(&score(&flights, change, || fresh(0.1)));
+        let change = hear(aided);
+        let six = degrees(&score(&flights, &change, || fresh(0.1)));
         for (i, sensor) in Head::six().sensors.iter().enumerate() {
             let five = |frame: &mut Frame| {
                 change(frame);

@@ -5,10 +5,9 @@ mod field;
 mod flights;
 
 use field::field;
-use flights::{Flown, score};
-use irhorizon::ctl::score::statistics::{Said, Score};
+use flights::{Flown, hear, said, score};
+use irhorizon::ctl::score::statistics::Score;
 use irhorizon::estimator::{Estimator, ProfileEstimator};
-use irhorizon::frame::{Aiding, Frame};
 use irhorizon::simulation::Scenario;
 
 /// Root mean squares of roll and pitch, 99th percentile of the larger error, 99th percentile of the
@@ -23,24 +22,13 @@ fn pairs(name: &str) -> Scenario {
     Scenario::named(name).unwrap().differential()
 }
 
-fn flown(name: &str, aided: bool, make: impl Fn(&Scenario) -> Box<dyn Estimator>) -> Score {
+fn flown<M: Estimator>(name: &str, aided: bool, make: impl Fn(&Scenario) -> M) -> Score {
     let scenario = pairs(name);
-    let change = |frame: &mut Frame| {
-        if !aided {
-            frame.aiding = Aiding::default();
-        }
-    };
-    score(&Flown::all(&scenario), change, || {
-        let mut method = make(&scenario);
-        move |frame: &Frame| {
-            let solution = method.update(frame);
-            solution.attitude.map(|a| Said::new(a, solution.sigma))
-        }
-    })
+    score(&Flown::all(&scenario), hear(aided), || said(make(&scenario)))
 }
 
-fn profile(lag_s: f64) -> impl Fn(&Scenario) -> Box<dyn Estimator> {
-    move |s| Box::new(ProfileEstimator::in_flight(s.head(), s.field(), lag_s, 3.0))
+fn profile(lag_s: f64) -> impl Fn(&Scenario) -> ProfileEstimator {
+    move |s| ProfileEstimator::in_flight(s.head(), s.field(), lag_s, 3.0)
 }
 
 fn holds(what: &str, score: &Score, limits: Limits) {
@@ -76,7 +64,7 @@ fn profile_where_the_sky_is_not_alike_all_around() {
 #[test]
 fn field_with_rates_and_gps() {
     for name in ["clear-dry", "clear-humid", "namibia", "durham"] {
-        holds(name, &flown(name, true, |s| Box::new(field(&s.head(), 0.1))), [0.10, 0.10, 0.35, 0.2]);
+        holds(name, &flown(name, true, |s| field(&s.head(), 0.1)), [0.10, 0.10, 0.35, 0.2]);
     }
     for (name, limits) in [
         ("overcast", [0.25, 0.25, 0.7, 0.4]),
@@ -86,6 +74,6 @@ fn field_with_rates_and_gps() {
         ("warm-slope", [1.0, 1.8, 3.5, 2.8]),
         ("into-cloud", [0.12, 0.12, 0.45, 0.3]),
     ] {
-        holds(name, &flown(name, true, |s| Box::new(field(&s.head(), 0.1))), limits);
+        holds(name, &flown(name, true, |s| field(&s.head(), 0.1)), limits);
     }
 }

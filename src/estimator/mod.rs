@@ -46,10 +46,14 @@ use vector::Vector;
 /// What a level pair of 90° shows for a radian of tilt, as a share of the contrast.
 pub const PAIR_SLOPE: f64 = 1.1;
 
-/// How far the horizon may lean where one side is warmer and nothing shows it, rad: 2°.
+/// By how much the attitude may be off, rad, with this upward vertical, where one side is warmer and nothing shows it: by
+/// the 2° that the horizon may lean.
 ///
 /// Three pairs fit some attitude whatever they see: nothing is left over that would tell of clouds or of a warm side.
-pub const UNSEEN_LEAN: f64 = 0.035;
+pub fn unseen_lean([_, left, up]: Vector) -> Attitude {
+    const LEAN: f64 = 0.035;
+    Attitude { roll: LEAN / left.hypot(up).max(0.2), pitch: LEAN }
+}
 
 /// Whether a method makes use of a sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

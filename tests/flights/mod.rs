@@ -2,7 +2,8 @@
 
 use irhorizon::attitude::Attitude;
 use irhorizon::ctl::score::statistics::{Errors, Said, Score, Truth};
-use irhorizon::frame::Frame;
+use irhorizon::estimator::Estimator;
+use irhorizon::frame::{Aiding, Frame};
 use irhorizon::simulation::Scenario;
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
@@ -45,6 +46,23 @@ impl Flown {
                 let (roll_deg, pitch_deg) = (truth.roll.to_degrees(), truth.pitch.to_degrees());
                 errors.add(Truth { roll_deg, pitch_deg }, said);
             }
+        }
+    }
+}
+
+/// What `estimator` says of each frame.
+pub fn said(mut estimator: impl Estimator) -> impl FnMut(&Frame) -> Option<Said> {
+    move |frame| {
+        let solution = estimator.update(frame);
+        solution.attitude.map(|a| Said::new(a, solution.sigma))
+    }
+}
+
+/// Whether the instruments are heard: a change to frames.
+pub fn hear(aided: bool) -> impl Fn(&mut Frame) {
+    move |frame| {
+        if !aided {
+            frame.aiding = Aiding::default();
         }
     }
 }

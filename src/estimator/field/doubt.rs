@@ -3,7 +3,7 @@
 use super::state::{DEPTH, LEAN, RATE, SPREAD, TURN};
 use super::{FieldEstimator, lean};
 use crate::attitude::Attitude;
-use crate::estimator::UNSEEN_LEAN;
+use crate::estimator::unseen_lean;
 use crate::time::Time;
 
 /// What no sky alike all around explains, from nothing to certain: below the first there is none (again),
@@ -68,8 +68,7 @@ impl FieldEstimator {
     /// any where nothing tells and nothing would show it; rad.
     pub(super) fn unexpected_lean(&self) -> Attitude {
         if !self.told && !self.model.shows_scenes() {
-            let [_, left, up] = self.state.vertical();
-            return Attitude { roll: UNSEEN_LEAN / left.hypot(up).max(0.2), pitch: UNSEEN_LEAN };
+            return unseen_lean(self.state.vertical());
         }
         if !self.told || self.leant {
             return Attitude::default();

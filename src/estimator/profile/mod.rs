@@ -21,7 +21,7 @@ pub mod solve;
 use super::contrast_vector::contrast_vector;
 use super::noise::PAIR_NOISE_K;
 use super::sides::Sides;
-use super::{Estimator, PAIR_SLOPE, Solution, UNSEEN_LEAN};
+use super::{Estimator, PAIR_SLOPE, Solution, unseen_lean};
 use crate::direction::Direction;
 use crate::frame::Frame;
 use crate::head::Head;
@@ -136,7 +136,8 @@ impl InFlight {
             by_shape = by_share.map(|c| sign * self.shape.sigma() * c);
         }
         let noise = PAIR_NOISE_K.hypot(solved.residual_k) / (PAIR_SLOPE * solved.contrast_k);
-        Seen { moved: self.motion.update(up, noise, time), by_shape, unseen: UNSEEN_LEAN }
+        let moved = self.motion.update(up, noise, time);
+        Seen { moved, by_shape, unseen: unseen_lean(moved.up) }
     }
 }
 

@@ -8,8 +8,8 @@ use crate::estimator::noise::PAIR_NOISE_K;
 use crate::estimator::vector::{Vector, dot};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// The cosine of pitch below which the standard deviation of roll grows no more; below which that by a warm side does not.
-const LEAST_ACROSS: (f64, f64) = (0.05, 0.2);
+/// The cosine of pitch below which the standard deviation of roll grows no more.
+const LEAST_ACROSS: f64 = 0.05;
 
 /// The upward vertical on (nose, left, up), and what else it may be off by.
 #[derive(Clone, Copy, Debug)]
@@ -18,14 +18,14 @@ pub struct Seen {
     pub moved: Moved,
     /// By the sky's shape.
     pub by_shape: Vector,
-    /// By a warm side, rad.
-    pub unseen: f64,
+    /// By a warm side.
+    pub unseen: Attitude,
 }
 
 impl Seen {
     /// As one frame alone shows it under a sky that is known.
     pub fn alone(up: Vector) -> Self {
-        Self { moved: Moved { up, spread: 1.0, late: [0.0; 3] }, by_shape: [0.0; 3], unseen: 0.0 }
+        Self { moved: Moved { up, spread: 1.0, late: [0.0; 3] }, by_shape: [0.0; 3], unseen: Attitude::default() }
     }
 }
 
@@ -52,20 +52,19 @@ pub fn attitude(
 
     // The ways that the vertical goes when roll or pitch grows, over how far it goes.
     let (sin_roll, cos_roll) = plain.roll.sin_cos();
-    let roll = [0.0, cos_roll, -sin_roll].map(|c| c / across.max(LEAST_ACROSS.0));
+    let roll = [0.0, cos_roll, -sin_roll].map(|c| c / across.max(LEAST_ACROSS));
     let pitch = [across, -exact[0] * sin_roll, -exact[0] * cos_roll];
     let noise = solver.spread(signals, solved, [roll, pitch], PAIR_NOISE_K.hypot(solved.residual_k));
     let [roll_noise, pitch_noise] = noise.unwrap_or([PI; 2]);
     // What cannot be explained at all.
     let unexplained = (1.0 - solved.length).max(0.0);
-    let unseen = [seen.unseen / across.max(LEAST_ACROSS.1), seen.unseen];
     // Where the model is in doubt the angle is shown larger; what the range has added is doubted as well.
     let said = |way: Vector, noise: f64, unseen: f64, (given, plain): (f64, f64), limit: f64| {
         let model = dot(way, seen.by_shape).hypot(unexplained);
         let sigma = model.hypot(spread * noise).hypot(dot(way, late)).hypot(given - plain).hypot(unseen);
         (guard(given, model, limit), sigma)
     };
-    let (roll, roll_sigma) = said(roll, roll_noise, unseen[0], (given.roll, plain.roll), PI);
-    let (pitch, pitch_sigma) = said(pitch, pitch_noise, unseen[1], (given.pitch, plain.pitch), FRAC_PI_2);
+    let (roll, roll_sigma) = said(roll, roll_noise, seen.unseen.roll, (given.roll, plain.roll), PI);
+    let (pitch, pitch_sigma) = said(pitch, pitch_noise, seen.unseen.pitch, (given.pitch, plain.pitch), FRAC_PI_2);
     (Attitude { roll, pitch }, Attitude { roll: roll_sigma, pitch: pitch_sigma })
 }
