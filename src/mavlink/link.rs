@@ -11,7 +11,7 @@ use super::service::{Replies, Service};
 use super::session::{Seen, Session};
 use super::station::Station;
 use crate::config::Settings;
-use crate::config::settings::EndpointSettings;
+use crate::config::settings::{EndpointAddress, EndpointSettings};
 use crate::time::Time;
 use std::sync::Arc;
 use std::time::Duration;
@@ -65,6 +65,11 @@ impl Link {
     /// What the endpoint has done.
     pub fn stats(&self) -> Arc<EndpointStats> {
         Arc::clone(self.endpoint.stats())
+    }
+
+    /// Whether it goes to a tty.
+    pub fn is_serial(&self) -> bool {
+        matches!(self.endpoint.address(), EndpointAddress::Serial { .. })
     }
 
     /// When there is a turn for it.

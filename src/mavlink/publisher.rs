@@ -10,7 +10,6 @@ use super::session::{Seen, Session};
 use super::station::Station;
 use super::switchboard::Switchboard;
 use crate::clock;
-use crate::config::settings::EndpointAddress;
 use crate::state::{BEFORE, Bell, Moment, Shared, Snapshot};
 use crate::time::Time;
 use std::os::fd::AsFd;
@@ -166,8 +165,11 @@ impl Work {
             }
         }
         seen.moment = newest;
-        for (i, link) in links.iter_mut().enumerate() {
-            link.step(now, i, seen, station);
+        // Serial ports first: what a write starts there goes on while the others are served.
+        for serial in [true, false] {
+            for (i, link) in links.iter_mut().enumerate().filter(|(_, l)| l.is_serial() == serial) {
+                link.step(now, i, seen, station);
+            }
         }
     }
 
@@ -213,7 +215,7 @@ impl Work {
         for link in &mut *links {
             link.endpoint.finish(now + LAST_LOG);
         }
-        if links.iter().any(|l| matches!(l.endpoint.address(), EndpointAddress::Serial { .. })) {
+        if links.iter().any(Link::is_serial) {
             clock::sleep_until(now + LAST_WORD);
         }
         station.finish();
