@@ -87,6 +87,8 @@ pub struct SceneStrength {
     least: f64,
     learning_s: (f64, f64),
     left: Pattern,
+    /// For how long that has been averaged, s.
+    averaged_s: f64,
     seen: f64,
     first: f64,
     /// How surely it has lately been seen to be unlike.
@@ -99,7 +101,16 @@ impl SceneStrength {
     /// Never less than `least_k`; learnt with time constants of `learning_s` up and down.
     pub fn new(least_k: f64, learning_s: (f64, f64)) -> Self {
         let least = least_k * least_k;
-        Self { least, learning_s, left: Pattern::default(), seen: 1e-4, first: 0.0, lately: 0.0, long: 0.0 }
+        Self {
+            least,
+            learning_s,
+            left: Pattern::default(),
+            averaged_s: 0.0,
+            seen: 1e-4,
+            first: 0.0,
+            lately: 0.0,
+            long: 0.0,
+        }
     }
 
     /// Begins with scenes of `first_k`, and what has `lately` been seen to be unlike: it is there still, and a filter that
@@ -122,7 +133,9 @@ impl SceneStrength {
             *left += share * (innovation.clamp(-GLITCH_K, GLITCH_K) - *left);
         }
         let (rest, dimensions) = directions.rest(std::array::from_fn(|i| self.left[i] + scenes[i]));
-        if dimensions > LEAST_DIMENSIONS {
+        // What the filter begins with is one frame's noise, and shows at first.
+        self.averaged_s += dt_s;
+        if dimensions > LEAST_DIMENSIONS && self.averaged_s > LEFT_S {
             // What chance alone would show is no scene.
             let seen = (dot(&rest, &rest) - variance_of(&unit(rest))).max(0.0) / dimensions;
             let time_s = if seen > self.seen { self.learning_s.0 } else { self.learning_s.1 };
