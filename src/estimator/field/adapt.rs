@@ -34,17 +34,19 @@ pub struct Directions {
     pub contrast: Pattern,
     /// The ground, less what all these explain; zero for pairs.
     ground: Pattern,
-    /// The sky's depth, less what all these explain; zero where that is nothing.
-    depth: Pattern,
-    /// What the depth, as uncertain as it is, may leave unexplained, of all of it: 0..1.
+    /// The sky's shape, less what all these explain: its depth, and the spread of the field of view.
+    shape: [Pattern; 2],
+    /// How much of each a pattern is taken to be, as uncertain as they are, for its products with both.
+    gain: [[f64; 2]; 2],
+    /// In how many dimensions the shape, as uncertain as it is, explains what is seen: 0..2.
     unsure: f64,
     /// How many sensors gave a reading.
     count: usize,
 }
 
 impl Directions {
-    /// Of the sensors that gave a reading, under a sky whose depth's logarithm has this variance.
-    pub fn new(seen: &[Option<Seen>; MAX_SENSORS], depth_variance: f64) -> Self {
+    /// Of the sensors that gave a reading, under a sky whose shape, depth's logarithm and spread, has this covariance.
+    pub fn new(seen: &[Option<Seen>; MAX_SENSORS], covariance: [[f64; 2]; 2]) -> Self {
         let pattern = |f: fn(&Seen) -> f64| -> Pattern { std::array::from_fn(|i| seen[i].as_ref().map_or(0.0, f)) };
         let roll = pattern(|s| s.by_turn[0]);
         let slope = dot(&roll, &roll).sqrt();
@@ -54,11 +56,11 @@ impl Directions {
         let pitch = unit(pitch);
         let contrast = unit(without(pattern(|s| s.by_contrast), &[roll, pitch]));
         let ground = unit(without(pattern(|s| s.by_ground), &[roll, pitch, contrast]));
-        let depth = without(pattern(|s| s.by_depth), &[roll, pitch, contrast, ground]);
-        let unsure = dot(&depth, &depth) * depth_variance;
-        let unsure = unsure / (unsure + UNLIKE_K.0 * UNLIKE_K.0);
+        let known = [roll, pitch, contrast, ground];
+        let shape = [pattern(|s| s.by_depth), pattern(|s| s.by_spread)].map(|p| without(p, &known));
+        let (gain, unsure) = gain(&shape, covariance);
         let count = seen.iter().flatten().count();
-        Self { turn: [roll, pitch], slope, contrast, ground, depth: unit(depth), unsure, count }
+        Self { turn: [roll, pitch], slope, contrast, ground, shape, gain, unsure, count }
     }
 
     /// The turn that a pattern looks like, rad; none where the sensors see no turn.
@@ -66,19 +68,37 @@ impl Directions {
         std::array::from_fn(|k| if self.slope[k] > 1.0 { dot(pattern, &self.turn[k]) / self.slope[k] } else { 0.0 })
     }
 
-    /// What of a pattern none of them explains, and in how many dimensions that is seen: the only one left by
-    /// five sensors is the sky's depth's, until that is known.
-    fn rest(&self, pattern: Pattern) -> (Pattern, f64) {
+    /// What of a pattern none of them explains; of that, what the sky's shape, as uncertain as it is, does not; and in how
+    /// many dimensions that is seen. The only one left by five sensors is the shape's, until that is known.
+    fn rests(&self, pattern: Pattern) -> ([Pattern; 2], f64) {
         let known = [self.turn[0], self.turn[1], self.contrast, self.ground];
         let dimensions = self.count.saturating_sub(known.iter().filter(|k| dot(k, k) > 0.5).count());
-        let mut rest = without(pattern, &known);
-        if dimensions > 1 {
-            return (rest, dimensions as f64);
+        let rest = without(pattern, &known);
+        let along = [dot(&rest, &self.shape[0]), dot(&rest, &self.shape[1])];
+        let mut sure = rest;
+        for (gain, shape) in self.gain.iter().zip(&self.shape) {
+            let share = gain[0] * along[0] + gain[1] * along[1];
+            sure.iter_mut().zip(shape).for_each(|(r, s)| *r -= share * s);
         }
-        let share = self.unsure * dot(&rest, &self.depth);
-        rest.iter_mut().zip(&self.depth).for_each(|(r, d)| *r -= share * d);
-        (rest, dimensions as f64 - self.unsure)
+        if dimensions > 1 { ([rest, sure], dimensions as f64) } else { ([sure; 2], dimensions as f64 - self.unsure) }
     }
+}
+
+/// The gain of least squares for two patterns of which there is as much as `covariance` says, beside what is no scene;
+/// and in how many dimensions they explain what is seen.
+fn gain(patterns: &[Pattern; 2], covariance: [[f64; 2]; 2]) -> ([[f64; 2]; 2], f64) {
+    let products = patterns.map(|a| patterns.map(|b| dot(&a, &b)));
+    let times = |a: [[f64; 2]; 2], b: [[f64; 2]; 2]| {
+        a.map(|row| std::array::from_fn::<f64, 2, _>(|k| row[0] * b[0][k] + row[1] * b[1][k]))
+    };
+    let [mut a, mut b] = times(products, covariance);
+    let noise = UNLIKE_K.0 * UNLIKE_K.0;
+    (a[0], b[1]) = (a[0] + noise, b[1] + noise);
+    let determinant = a[0] * b[1] - a[1] * b[0];
+    let inverse = [[b[1], -a[1]], [-b[0], a[0]]].map(|row| row.map(|v| v / determinant));
+    let gain = times(covariance, inverse);
+    let explained = times(gain, products);
+    (gain, (explained[0][0] + explained[1][1]).clamp(0.0, 2.0))
 }
 
 /// Learns how strong the sensors' own scenes are from what no attitude, ground or contrast explains.
@@ -89,7 +109,8 @@ pub struct SceneStrength {
     left: Pattern,
     /// For how long that has been averaged, s.
     averaged_s: f64,
-    seen: f64,
+    /// The mean square of what is seen, K²: all, and what is surely not the sky's shape.
+    seen: [f64; 2],
     first: f64,
     /// How surely it has lately been seen to be unlike.
     lately: f64,
@@ -106,7 +127,7 @@ impl SceneStrength {
             learning_s,
             left: Pattern::default(),
             averaged_s: 0.0,
-            seen: 1e-4,
+            seen: [1e-4; 2],
             first: 0.0,
             lately: 0.0,
             long: 0.0,
@@ -132,15 +153,18 @@ impl SceneStrength {
         for (left, innovation) in self.left.iter_mut().zip(innovations) {
             *left += share * (innovation.clamp(-GLITCH_K, GLITCH_K) - *left);
         }
-        let (rest, dimensions) = directions.rest(std::array::from_fn(|i| self.left[i] + scenes[i]));
-        // What the filter begins with is one frame's noise, and shows at first.
+        let (rests, dimensions) = directions.rests(std::array::from_fn(|i| self.left[i] + scenes[i]));
         self.averaged_s += dt_s;
-        if dimensions > LEAST_DIMENSIONS && self.averaged_s > LEFT_S {
-            // What chance alone would show is no scene.
-            let seen = (dot(&rest, &rest) - variance_of(&unit(rest))).max(0.0) / dimensions;
-            let time_s = if seen > self.seen { self.learning_s.0 } else { self.learning_s.1 };
-            self.seen += -(-dt_s / time_s).exp_m1() * (seen - self.seen);
-            self.seen = self.seen.min(LARGEST_K * LARGEST_K);
+        if dimensions > LEAST_DIMENSIONS {
+            // What the filter begins with is one frame's noise, and shows at first.
+            let sure = if self.averaged_s > LEFT_S { 2 } else { 1 };
+            for (known, rest) in self.seen.iter_mut().zip(&rests).take(sure) {
+                // What chance alone would show is no scene.
+                let seen = (dot(rest, rest) - variance_of(&unit(*rest))).max(0.0) / dimensions;
+                let time_s = if seen > *known { self.learning_s.0 } else { self.learning_s.1 };
+                *known += -(-dt_s / time_s).exp_m1() * (seen - *known);
+                *known = known.min(LARGEST_K * LARGEST_K);
+            }
         }
         self.first *= (-dt_s / FIRST_S).exp();
         self.lately = self.unlike().max(self.lately * (-dt_s / LATELY_S).exp());
@@ -149,13 +173,17 @@ impl SceneStrength {
 
     /// The variance of a scene, K².
     pub fn variance(&self) -> f64 {
-        self.seen.max(self.least).max(self.first)
+        self.seen[0].max(self.least).max(self.first)
     }
 
     /// How surely what is seen is no sky that is alike all around, 0..1.
     pub fn unlike(&self) -> f64 {
-        let x = ((self.seen.sqrt() - UNLIKE_K.0) / (UNLIKE_K.1 - UNLIKE_K.0)).clamp(0.0, 1.0);
-        x * x * (3.0 - 2.0 * x)
+        unlike(self.seen[0])
+    }
+
+    /// The same of what is not the sky's shape either, which is still being found.
+    pub fn surely_unlike(&self) -> f64 {
+        unlike(self.seen[1])
     }
 
     /// The same, remembered: what made the scene unlike is still there while nothing shows it.
@@ -170,13 +198,19 @@ impl SceneStrength {
 
     /// The size of what is seen of scenes, K.
     pub fn seen_k(&self) -> f64 {
-        self.seen.sqrt()
+        self.seen[0].sqrt()
     }
 
     /// What sensor `i` has lately shown beyond its prediction, K.
     pub fn left_k(&self, i: usize) -> f64 {
         self.left[i]
     }
+}
+
+/// How surely a misfit of this mean square, K², is no noise.
+fn unlike(seen: f64) -> f64 {
+    let x = ((seen.sqrt() - UNLIKE_K.0) / (UNLIKE_K.1 - UNLIKE_K.0)).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }
 
 /// The scalar product of two patterns.

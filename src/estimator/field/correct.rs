@@ -117,7 +117,8 @@ impl FieldEstimator {
             scenes[i] = s.sky * self.state.x[self.state.scene(i)];
             seen[i] = Some(s);
         }
-        let directions = Directions::new(&seen, self.state.p[DEPTH][DEPTH]);
+        let shape = [DEPTH, SPREAD].map(|i| [DEPTH, SPREAD].map(|k| self.state.p[i][k]));
+        let directions = Directions::new(&seen, shape);
         let alone = readings.iter().zip(&self.state.plain).map(|(r, p)| r.map_or(0.0, |r| r - p));
         let mut pattern = Pattern::default();
         pattern.iter_mut().zip(alone).for_each(|(p, a)| *p = a);

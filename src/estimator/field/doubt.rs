@@ -44,6 +44,8 @@ impl FieldEstimator {
             self.doubt_sky();
         }
         let even = self.told && !self.leant;
+        // Where much depends on it the sky's shape is found first: a lean that is expected in vain is there for minutes.
+        let unlike = if self.gyro.in_use() { self.scene.surely_unlike() } else { unlike };
         let found = unlike > UNLIKE.1 && (even || !self.tilted) || even && self.leans();
         self.found_s = if found { self.found_s + dt_s } else { 0.0 };
         if self.found_s > LASTS_S * (self.turned / LOOKED_AROUND).min(1.0) {

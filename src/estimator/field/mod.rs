@@ -283,7 +283,7 @@ impl Estimator for FieldEstimator {
                 gyro: [0, 1, 1].map(|i: usize| self.gyro_errors[i].factor()),
                 contrast: self.contrast.factor(),
                 scene_k2: self.scene.variance(),
-                leaning: if self.told { self.scene.unlike() } else { 0.0 },
+                leaning: if self.told { self.scene.surely_unlike() } else { 0.0 },
                 long_unlike: self.scene.long_unlike(),
             };
             predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
