@@ -45,12 +45,12 @@ impl FieldEstimator {
         }
         let even = self.told && !self.leant;
         // Where much depends on it the sky's shape is found first: a lean that is expected in vain is there for minutes.
-        let unlike = if self.gyro.in_use() { self.scene.surely_unlike() } else { unlike };
-        let found = unlike > UNLIKE.1 && (even || !self.tilted) || even && self.leans();
+        let sure = if self.gyro.in_use() { self.scene.surely_unlike() } else { unlike } > UNLIKE.1;
+        let found = sure && (even || !self.tilted) || even && self.leans();
         self.found_s = if found { self.found_s + dt_s } else { 0.0 };
         if self.found_s > LASTS_S * (self.turned / LOOKED_AROUND).min(1.0) {
             self.found_s = 0.0;
-            self.tilted |= unlike > UNLIKE.1;
+            self.tilted |= sure;
             self.doubt_attitude(even);
         }
     }
