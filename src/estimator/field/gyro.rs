@@ -44,8 +44,10 @@ impl Gyro {
             // Front, right, down to nose, left, up.
             let rates = [p, -q, -r].map(f64::to_radians);
             let rates = self.to_head.map_or(rates, |m| product(&m, rates));
-            let before = self.last.replace((rates, now)).filter(|(_, at)| age(*at)).map_or(rates, |(r, _)| r);
-            return (dt_s < AGE_S).then(|| std::array::from_fn(|i| 0.5 * (before[i] + rates[i])));
+            let (last, at) = self.last.replace((rates, now)).filter(|(_, at)| age(*at)).unwrap_or((rates, now));
+            // All frames since then went by the last sample alone: half of what it has changed by since then is made up for.
+            let frames = if dt_s > 0.0 { (now.since(at) / dt_s).max(1.0) } else { 1.0 };
+            return (dt_s < AGE_S).then(|| std::array::from_fn(|i| last[i] + 0.5 * frames * (rates[i] - last[i])));
         }
         self.last.filter(|(_, at)| age(*at) && dt_s < AGE_S).map(|(rates, _)| rates)
     }
