@@ -18,6 +18,8 @@ const MISFIT_S: f64 = 0.5;
 /// So many times the expected misfit and the filter is lost; with a gyro, that is what is wrong.
 const LOST: f64 = 400.0;
 const GYRO_WRONG: f64 = 3.3;
+/// One reading's misfit counts no more than so much against it.
+const WILDEST: f64 = 50.0;
 /// Over this time the attitude is compared with what the thermopiles alone say, s.
 const APART_S: f64 = 0.7;
 /// An attitude farther from them is wrong: rad (8°), or K where the contrast is low.
@@ -80,7 +82,8 @@ impl FieldEstimator {
     /// Takes in the readings, one after the other.
     pub(super) fn correct(&mut self, readings: &[Option<f64>; MAX_SENSORS], dt_s: f64) {
         let noise = self.tuning.noise_k * self.tuning.noise_k;
-        let (mut misfit, mut worst, mut count) = (0.0, 0.0_f64, 0.0);
+        let (mut misfit, mut others, mut worst, mut count) = (0.0, 0.0, 0.0_f64, 0.0);
+        let wildest = if self.gyro.in_use() { WILDEST } else { f64::INFINITY };
         for (i, reading) in readings.iter().enumerate().take(self.model.sensors()) {
             let Some(reading) = reading else { continue };
             let innovation = reading - self.state.x[SEEN + i];
@@ -88,6 +91,9 @@ impl FieldEstimator {
             let squared = innovation * innovation;
             let relative = squared / (predicted + noise);
             misfit += relative;
+            // What a few wild readings in one frame say against the gyro.
+            let relative = relative.min(wildest);
+            others += relative;
             worst = worst.max(relative);
             count += 1.0;
             let variance = noise.max(squared / (GATE * GATE) - predicted);
@@ -99,7 +105,7 @@ impl FieldEstimator {
         if count > 1.0 {
             let share = -(-dt_s / MISFIT_S).exp_m1();
             self.misfit.squared += share * (misfit / count - self.misfit.squared);
-            self.misfit.others += share * ((misfit - worst) / (count - 1.0) - self.misfit.others);
+            self.misfit.others += share * ((others - worst) / (count - 1.0) - self.misfit.others);
         }
     }
 
