@@ -10,6 +10,8 @@ use crate::estimator::{Hearing, Standing};
 use crate::frame::Frame;
 use crate::time::Time;
 
+/// Sensors whose readings are no farther apart make one frame, s.
+const TURNS_S: f64 = 0.05;
 /// So long a sensor is taken to be the cause of what does not fit, s.
 const UNDECIDED_S: f64 = 5.0;
 
@@ -35,9 +37,21 @@ impl FieldEstimator {
         self.is_stuck = Stuck::among(&self.stuck);
         let suspects = Stuck::suspects(&self.stuck);
         for (i, reading) in readings.iter_mut().enumerate() {
+            let new = reading.is_some();
             *reading = reading.filter(|_| !self.is_stuck[i] && !suspects[i]);
+            if new {
+                self.latest[i] = *reading;
+            }
         }
         (readings, newest)
+    }
+
+    /// The readings of this frame, and the last ones of sensors that take turns with these.
+    pub(super) fn lately(&self, readings: &[Option<f64>; MAX_SENSORS], now: Time) -> [Option<f64>; MAX_SENSORS] {
+        std::array::from_fn(|i| {
+            let lately = self.stamps[i].is_some_and(|at| (0.0..TURNS_S).contains(&now.since(at)));
+            readings[i].or(self.latest[i].filter(|_| lately))
+        })
     }
 
     /// Whether the witnesses are about to decide on a sensor; they are given a while.

@@ -78,6 +78,8 @@ pub struct FieldEstimator {
     /// The last frame, and the last with enough readings.
     last: Option<(Time, Time)>,
     stamps: [Option<Time>; MAX_SENSORS],
+    /// What was heard of each at its stamp.
+    latest: [Option<f64>; MAX_SENSORS],
     stuck: [Stuck; MAX_SENSORS],
     is_stuck: [bool; MAX_SENSORS],
     witnesses: Witnesses,
@@ -138,6 +140,7 @@ impl FieldEstimator {
             tuning,
             last: None,
             stamps: [None; MAX_SENSORS],
+            latest: [None; MAX_SENSORS],
             stuck: [Stuck::default(); MAX_SENSORS],
             gyro: Gyro::default(),
             aid: Aid::default(),
@@ -264,7 +267,7 @@ impl Estimator for FieldEstimator {
             self.gyro.distrust();
         }
         if lost || !(0.0..GAP_S).contains(&dt_s) || !self.state.is_sound() {
-            let begun = self.begin(&readings, now);
+            let begun = self.begin(&self.lately(&readings, now), now);
             if begun {
                 self.look(frame, now);
             } else {
@@ -272,7 +275,7 @@ impl Estimator for FieldEstimator {
             }
             return if begun { self.solution() } else { Solution::default() };
         }
-        let enough = readings.iter().flatten().count() >= self.needed().1;
+        let enough = self.lately(&readings, now).iter().flatten().count() >= self.needed().1;
         let (_, full) = self.last.unwrap_or((now, now));
         let full = if enough { now } else { full };
         self.last = Some((now, full));

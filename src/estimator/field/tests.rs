@@ -9,6 +9,8 @@ use crate::simulation::scenario::Scenario;
 use crate::sky::family::LN_DEPTH;
 use crate::source::FrameSource;
 
+mod readings;
+
 /// The largest error of roll and pitch, °, over the last half of `seconds` of a scenario whose frames
 /// `spoil` may change.
 fn worst(name: &str, seconds: f64, spoil: impl FnMut(&mut Frame, f64)) -> f64 {

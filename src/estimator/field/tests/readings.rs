@@ -1,0 +1,53 @@
+//! Readings and body rates as they come: wild, by turns, seldom.
+
+use super::*;
+use crate::frame::{Missing, Value};
+
+/// Adds to a reading of an absolute sensor.
+fn add_k(frame: &mut Frame, i: usize, more_k: f64) {
+    if let Ok(Sample { value: Value::Absolute { object_c, .. }, .. }) = &mut frame.readings[i] {
+        *object_c += more_k;
+    }
+}
+
+/// Now and then two of them in one frame.
+#[test]
+fn wild_readings_speak_against_no_gyro() {
+    let mut noise = Noise::new(4);
+    let off = worst("clear-dry", 60.0, |f, s| {
+        for i in 0..6 {
+            let wild = (s * 50.0).round() as usize % 100;
+            if wild == 7 * i || wild == 7 * i + 50 || (wild == 99 && i < 2) {
+                add_k(f, i, 8.0 * noise.normal());
+            }
+        }
+    });
+    assert!(off < 0.4, "{off}°");
+}
+
+#[test]
+fn sensors_that_take_turns_are_heard() {
+    let mut frames = 0_usize;
+    let off = worst("clear-dry", 60.0, |f, _| {
+        frames += 1;
+        for i in 0..6 {
+            if !(i + frames).is_multiple_of(3) {
+                f.readings[i] = Err(Missing::NotReady);
+            }
+        }
+    });
+    assert!(off > 0.0 && off < 0.6, "{off}°");
+}
+
+/// What they did from one to the next is the mean of both.
+#[test]
+fn body_rates_may_come_more_seldom_than_readings() {
+    let mut frames = 0_usize;
+    let off = worst("clear-dry", 60.0, |f, _| {
+        frames += 1;
+        if !frames.is_multiple_of(5) {
+            f.aiding.gyro_deg_s = [None; 3];
+        }
+    });
+    assert!(off < 1.2, "{off}°");
+}
