@@ -79,3 +79,21 @@ impl Gyro {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// About the nose, at 0 and at 0.1 s; the frames between them have none.
+    #[test]
+    fn samples_between_frames_turn_as_far_as_their_mean() {
+        let mut gyro = Gyro::default();
+        let mut turned_deg = 0.0;
+        for (i, rate) in [Some(0.0), None, None, None, None, Some(10.0)].into_iter().enumerate() {
+            let aiding = Aiding { gyro_deg_s: [rate, rate, rate], ..Aiding::default() };
+            gyro.update(&aiding, Time::from_secs_f64(5.0 + 0.02 * i as f64), 0.02);
+            turned_deg += gyro.rates().map_or(0.0, |r| r[0].to_degrees() * 0.02);
+        }
+        assert!((turned_deg - 0.5).abs() < 1e-6, "{turned_deg}°");
+    }
+}
