@@ -7,6 +7,7 @@ const WINDOW_S: f64 = 4.0;
 /// where they change it too often too large; how large the sensors' own noise is has no part in it.
 #[derive(Clone, Debug)]
 pub struct Whiteness {
+    least: f64,
     smooth_s: f64,
     learning: (f64, f64),
     bounds: (f64, f64),
@@ -18,9 +19,9 @@ pub struct Whiteness {
 
 impl Whiteness {
     /// With the time over which innovations are averaged, s, how fast the factor goes up and down, 1/s,
-    /// and its bounds. It begins at 1.
-    pub fn new(smooth_s: f64, learning: (f64, f64), bounds: (f64, f64)) -> Self {
-        Self { smooth_s, learning, bounds, smooth: 0.0, slow: 0.0, all: 0.0, factor: 1.0 }
+    /// and its bounds. It begins at 1. Innovations smaller than `least` show nothing.
+    pub fn new(least: f64, smooth_s: f64, learning: (f64, f64), bounds: (f64, f64)) -> Self {
+        Self { least, smooth_s, learning, bounds, smooth: 0.0, slow: 0.0, all: 0.0, factor: 1.0 }
     }
 
     /// What the process noise's standard deviation is to be multiplied with.
@@ -38,7 +39,7 @@ impl Whiteness {
         self.slow += share * (slow - self.slow);
         self.all += share * (innovation * innovation - self.all);
         if self.all > 0.0 && self.slow > 0.0 {
-            let excess = (self.slow / self.all).ln().clamp(-1.0, 1.5);
+            let excess = (self.slow / self.all.max(self.least * self.least)).ln().clamp(-1.0, 1.5);
             let learning = if excess > 0.0 { self.learning.0 } else { self.learning.1 };
             let step = (learning * excess * dt_s).clamp(-1.0, 1.0);
             self.factor = (self.factor * step.exp()).clamp(self.bounds.0, self.bounds.1);
@@ -53,12 +54,13 @@ mod tests {
     #[test]
     fn innovations_that_keep_their_sign_ask_for_more_and_those_that_change_it_for_less() {
         let after = |innovation: &dyn Fn(u32) -> f64| {
-            let mut w = Whiteness::new(0.1, (0.5, 0.5), (0.1, 8.0));
+            let mut w = Whiteness::new(0.01, 0.1, (0.5, 0.5), (0.1, 8.0));
             (0..3000).for_each(|i| w.update(innovation(i), 0.02));
             w.factor()
         };
         assert_eq!(after(&|i| 1.0 + 0.1 * f64::from(i % 2)), 8.0);
         assert_eq!(after(&|i| if i % 2 == 0 { 1.0 } else { -1.0 }), 0.1);
         assert_eq!(after(&|_| 0.0), 1.0);
+        assert_eq!(after(&|_| 1e-4), 0.1);
     }
 }

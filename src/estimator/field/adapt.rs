@@ -18,6 +18,10 @@ const LARGEST_K: f64 = 4.0;
 const LATELY_S: f64 = 120.0;
 /// How long it has to be unlike to have been so for long, s.
 const LONG_S: f64 = 30.0;
+/// Noise leaves so much in that average, K, where it is as small as it should be: of more, so many times its variance is
+/// no scene.
+const EXPECTED_K: f64 = 0.0085;
+const SAFELY: f64 = 4.0;
 /// In fewer dimensions a scene of its own is not seen: all may be the sky's depth.
 const LEAST_DIMENSIONS: f64 = 0.25;
 /// A misfit no larger than the first is noise; one of the second is a scene, K.
@@ -68,12 +72,22 @@ impl Directions {
         std::array::from_fn(|k| if self.slope[k] > 1.0 { dot(pattern, &self.turn[k]) / self.slope[k] } else { 0.0 })
     }
 
-    /// What of a pattern none of them explains; of that, what the sky's shape, as uncertain as it is, does not; and in how
-    /// many dimensions that is seen. The only one left by five sensors is the shape's, until that is known.
-    fn rests(&self, pattern: Pattern) -> ([Pattern; 2], f64) {
+    /// How many sensors gave a reading.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// What of a pattern no turn, contrast or ground explains, and in how many dimensions that is seen.
+    pub fn unexplained(&self, pattern: &Pattern) -> (Pattern, usize) {
         let known = [self.turn[0], self.turn[1], self.contrast, self.ground];
         let dimensions = self.count.saturating_sub(known.iter().filter(|k| dot(k, k) > 0.5).count());
-        let rest = without(pattern, &known);
+        (without(*pattern, &known), dimensions)
+    }
+
+    /// What of a pattern is unexplained; of that, what the sky's shape, as uncertain as it is, does not explain either; and
+    /// in how many dimensions that is seen. The only one left by five sensors is the shape's, until that is known.
+    fn rests(&self, pattern: &Pattern) -> ([Pattern; 2], f64) {
+        let (rest, dimensions) = self.unexplained(pattern);
         let along = [dot(&rest, &self.shape[0]), dot(&rest, &self.shape[1])];
         let mut sure = rest;
         for (gain, shape) in self.gain.iter().zip(&self.shape) {
@@ -141,26 +155,27 @@ impl SceneStrength {
     }
 
     /// Takes in each sensor's innovation and what its scene is taken to add, K; `variance_of` a pattern of scenes,
-    /// K², is how well they are known.
+    /// K², is how well they are known; `noise_k2` is the variance of a reading, K².
     pub fn update(
         &mut self,
         (innovations, scenes): (&Pattern, &Pattern),
         directions: &Directions,
         variance_of: impl Fn(&Pattern) -> f64,
-        dt_s: f64,
+        (noise_k2, dt_s): (f64, f64),
     ) {
         let share = -(-dt_s / LEFT_S).exp_m1();
         for (left, innovation) in self.left.iter_mut().zip(innovations) {
             *left += share * (innovation.clamp(-GLITCH_K, GLITCH_K) - *left);
         }
-        let (rests, dimensions) = directions.rests(std::array::from_fn(|i| self.left[i] + scenes[i]));
+        let (rests, dimensions) = directions.rests(&std::array::from_fn(|i| self.left[i] + scenes[i]));
+        let noise_k2 = SAFELY * (share / (2.0 - share) * noise_k2 - EXPECTED_K * EXPECTED_K).max(0.0);
         self.averaged_s += dt_s;
         if dimensions > LEAST_DIMENSIONS {
             // What the filter begins with is one frame's noise, and shows at first.
             let sure = if self.averaged_s > LEFT_S { 2 } else { 1 };
             for (known, rest) in self.seen.iter_mut().zip(&rests).take(sure) {
                 // What chance alone would show is no scene.
-                let seen = (dot(rest, rest) - variance_of(&unit(*rest))).max(0.0) / dimensions;
+                let seen = ((dot(rest, rest) - variance_of(&unit(*rest))) / dimensions - noise_k2).max(0.0);
                 let time_s = if seen > *known { self.learning_s.0 } else { self.learning_s.1 };
                 *known += -(-dt_s / time_s).exp_m1() * (seen - *known);
                 *known = known.min(LARGEST_K * LARGEST_K);

@@ -81,7 +81,7 @@ impl FieldEstimator {
 
     /// Takes in the readings, one after the other.
     pub(super) fn correct(&mut self, readings: &[Option<f64>; MAX_SENSORS], dt_s: f64) {
-        let noise = self.tuning.noise_k * self.tuning.noise_k;
+        let noise = self.noise.variance();
         let (mut misfit, mut others, mut worst, mut count) = (0.0, 0.0, 0.0_f64, 0.0);
         let wildest = if self.gyro.in_use() { WILDEST } else { f64::INFINITY };
         for (i, reading) in readings.iter().enumerate().take(self.model.sensors()) {
@@ -150,7 +150,8 @@ impl FieldEstimator {
             let scenes = || seen.iter().enumerate().filter_map(|(i, s)| Some((state.scene(i), s.as_ref()?.sky * p[i])));
             scenes().map(|(i, a)| a * scenes().map(|(j, b)| b * state.p[i][j]).sum::<f64>()).sum()
         };
-        self.scene.update((&innovations, &scenes), &directions, variance_of, dt_s);
+        self.noise.update(directions.unexplained(&innovations), directions.count(), dt_s);
+        self.scene.update((&innovations, &scenes), &directions, variance_of, (self.noise.variance(), dt_s));
     }
 
     /// What sensor `i` shows beyond what the sky and the attitude explain, K.

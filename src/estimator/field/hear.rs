@@ -72,6 +72,7 @@ impl FieldEstimator {
             sky: scene(s),
             pace,
             gyro: self.gyro.rates().map(|rates| add_scaled(rates, 1.0, correction(s))),
+            noise_k: self.noise.variance().sqrt(),
             lag_s: self.tuning.lag_s * s.x[LAG].clamp(-2.0, 2.0).exp(),
         };
         if self.blind {

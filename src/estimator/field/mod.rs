@@ -7,7 +7,7 @@
 //! - `state`: the states and their covariance; `tuning`: what the world is taken to be like;
 //! - `model`: what a sensor should show; `start`, `begin`: where the filter begins;
 //! - `hear`: which readings are heard; `witness`: which sensor is not;
-//! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves;
+//! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves; `noise`: how noisy they are;
 //! - `doubt`: a scene that is found not to be alike all around; `lean`: how far its horizon is expected to lean;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
 //! - `unheard`: what a sensor left out might have been right about;
@@ -23,6 +23,7 @@ mod hear;
 mod hint;
 mod lean;
 mod model;
+mod noise;
 mod output;
 mod predict;
 mod start;
@@ -52,6 +53,7 @@ use begin::paces;
 use correct::Misfit;
 use gyro::Gyro;
 use model::Model;
+use noise::NoiseLevel;
 use output::attitude;
 use predict::{Pace, correction, predict, rates};
 use state::{CONTRAST, State};
@@ -100,6 +102,7 @@ pub struct FieldEstimator {
     gyro_errors: [Whiteness; 2],
     contrast: Whiteness,
     scene: SceneStrength,
+    noise: NoiseLevel,
     misfit: Misfit,
     /// The scene has been found to be unlike a sky that is alike all around.
     unlike: bool,
@@ -148,6 +151,7 @@ impl FieldEstimator {
             gyro_errors,
             contrast,
             scene,
+            noise: NoiseLevel::new(tuning.noise_k),
             misfit: Misfit::default(),
             unlike: false,
             tilted: false,

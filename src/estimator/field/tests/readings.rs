@@ -51,3 +51,13 @@ fn body_rates_may_come_more_seldom_than_readings() {
     });
     assert!(off < 1.2, "{off}°");
 }
+
+/// All of them, or the left one.
+#[test]
+fn readings_may_be_noisier_than_expected() {
+    for (noise_k, sensors, most) in [(0.2, 0..6, 0.4), (0.5, 0..6, 0.8), (0.3, 2..3, 0.4)] {
+        let mut noise = Noise::new(4);
+        let off = worst("clear-dry", 120.0, |f, _| sensors.clone().for_each(|i| add_k(f, i, noise_k * noise.normal())));
+        assert!(off < most, "{off}° at {noise_k} K");
+    }
+}

@@ -52,6 +52,8 @@ pub struct Known<'a> {
     pub pace: &'a Pace,
     /// The gyro's rates less their bias, rad/s.
     pub gyro: Option<Vector>,
+    /// Noise of a reading, K.
+    pub noise_k: f64,
     /// The sensors' time constant, s.
     pub lag_s: f64,
 }
@@ -185,7 +187,7 @@ impl Witnesses {
             rate: (rate, t.rate_time_s),
             walk_k: [WALK.0, contrast * WALK.1.max(known.pace.contrast * t.contrast.0)],
             own: (own_k, keep),
-            noise_k: t.noise_k,
+            noise_k: known.noise_k,
             sky: Scene { ln_depth: self.shape[0], spread: self.shape[1], ..known.sky },
         };
         let readings: [Option<f64>; MAX_SENSORS] =
