@@ -19,9 +19,14 @@ pub struct Whiteness {
 
 impl Whiteness {
     /// With the time over which innovations are averaged, s, how fast the factor goes up and down, 1/s,
-    /// and its bounds. It begins at 1. Innovations smaller than `least` show nothing.
-    pub fn new(least: f64, smooth_s: f64, learning: (f64, f64), bounds: (f64, f64)) -> Self {
-        Self { least, smooth_s, learning, bounds, smooth: 0.0, slow: 0.0, all: 0.0, factor: 1.0 }
+    /// and its bounds. It begins at 1.
+    pub fn new(smooth_s: f64, learning: (f64, f64), bounds: (f64, f64)) -> Self {
+        Self { least: 0.0, smooth_s, learning, bounds, smooth: 0.0, slow: 0.0, all: 0.0, factor: 1.0 }
+    }
+
+    /// The same, but innovations smaller than `least` show nothing.
+    pub fn above(self, least: f64) -> Self {
+        Self { least, ..self }
     }
 
     /// What the process noise's standard deviation is to be multiplied with.
@@ -54,7 +59,7 @@ mod tests {
     #[test]
     fn innovations_that_keep_their_sign_ask_for_more_and_those_that_change_it_for_less() {
         let after = |innovation: &dyn Fn(u32) -> f64| {
-            let mut w = Whiteness::new(0.01, 0.1, (0.5, 0.5), (0.1, 8.0));
+            let mut w = Whiteness::new(0.1, (0.5, 0.5), (0.1, 8.0)).above(0.01);
             (0..3000).for_each(|i| w.update(innovation(i), 0.02));
             w.factor()
         };

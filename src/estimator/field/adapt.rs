@@ -18,8 +18,8 @@ const LARGEST_K: f64 = 4.0;
 const LATELY_S: f64 = 120.0;
 /// How long it has to be unlike to have been so for long, s.
 const LONG_S: f64 = 30.0;
-/// Noise leaves so much in that average, K, where it is as small as it should be: of more, so many times its variance is
-/// no scene.
+/// Noise leaves so much in that average, K, where it is as small as it should be, at 50 Hz: of more, so many times its
+/// variance is no scene.
 const EXPECTED_K: f64 = 0.0085;
 const SAFELY: f64 = 4.0;
 /// In fewer dimensions a scene of its own is not seen: all may be the sky's depth.

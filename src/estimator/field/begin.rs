@@ -14,11 +14,11 @@ const SILENT_K: f64 = 0.01;
 
 /// How much moves, before it is seen: body rates about the nose and across it, the contrast, the sensors' own scenes.
 pub fn paces(t: &Tuning) -> ([Whiteness; 2], [Whiteness; 2], Whiteness, SceneStrength) {
-    let rate = Whiteness::new(0.0, 0.1, (t.rate_learning, t.rate_learning), (0.1, 8.0));
-    let contrast = Whiteness::new(SILENT_K, 0.15, (t.contrast.1, 0.5), (1.0, 200.0));
+    let rate = Whiteness::new(0.1, (t.rate_learning, t.rate_learning), (0.1, 8.0));
+    let contrast = Whiteness::new(0.15, (t.contrast.1, 0.5), (1.0, 200.0)).above(SILENT_K);
     // What a gyro errs by is small beside the readings' noise, and is always the same: it shows over longer, and is learnt
     // slowly, so that a gyro that fails is not taken for a coarse one.
-    let gyro = Whiteness::new(0.0, 0.4, (0.1, 0.05), (0.3, 5.0));
+    let gyro = Whiteness::new(0.4, (0.1, 0.05), (0.3, 5.0));
     let both = |w: Whiteness| [w.clone(), w];
     (both(rate), both(gyro), contrast, SceneStrength::new(t.scene.1, t.scene_learning_s))
 }

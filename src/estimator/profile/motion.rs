@@ -48,7 +48,7 @@ pub struct Moved {
 impl Motion {
     /// For sensors with a first-order time constant of `lag_s` ≥ 0.
     pub fn new(lag_s: f64) -> Self {
-        Self { lag_s, state: None, walk: Whiteness::new(0.0, 0.1, (0.5, 0.5), (0.3, 8.0)) }
+        Self { lag_s, state: None, walk: Whiteness::new(0.1, (0.5, 0.5), (0.3, 8.0)) }
     }
 
     /// The time constant from now on, s.
