@@ -150,8 +150,26 @@ impl FieldEstimator {
             let scenes = || seen.iter().enumerate().filter_map(|(i, s)| Some((state.scene(i), s.as_ref()?.sky * p[i])));
             scenes().map(|(i, a)| a * scenes().map(|(j, b)| b * state.p[i][j]).sum::<f64>()).sum()
         };
-        self.noise.update(directions.unexplained(&innovations), directions.count(), dt_s);
+        self.noise.update(self.telling(readings, &innovations, &directions), directions.count(), dt_s);
         self.scene.update((&innovations, &scenes), &directions, variance_of, (self.noise.variance(), dt_s));
+    }
+
+    /// What of the innovations tells of noise, K; in how many dimensions; and how much of its square the filter expects by
+    /// itself, K².
+    fn telling(
+        &self,
+        readings: &[Option<f64>; MAX_SENSORS],
+        innovations: &Pattern,
+        directions: &Directions,
+    ) -> Option<(Pattern, usize, f64)> {
+        let (rest, dimensions) = directions.unexplained(innovations);
+        if dimensions > 0 {
+            return Some((rest, dimensions, 0.0));
+        }
+        // With sensors too few for that, all that they show: how they turn is told by a gyro, or by nothing.
+        let heard = (0..self.model.sensors()).filter(|i| readings[*i].is_some());
+        let expected = heard.map(|i| self.state.p[SEEN + i][SEEN + i]).sum();
+        self.gyro.in_use().then_some((*innovations, directions.count(), expected))
     }
 
     /// What sensor `i` shows beyond what the sky and the attitude explain, K.

@@ -32,24 +32,26 @@ pub struct NoiseLevel {
 impl NoiseLevel {
     /// Never less than `least_k`.
     pub fn new(least_k: f64) -> Self {
-        Self { least: least_k * least_k, learnt: FIRST.0 * FIRST.0, learnt_s: 0.0, last: None }
+        let least = least_k * least_k;
+        Self { least, learnt: least, learnt_s: 0.0, last: None }
     }
 
-    /// Takes in what of the innovations of `count` sensors is unexplained, K, and in how many dimensions that is seen.
-    pub fn update(&mut self, (rest, dimensions): (Pattern, usize), count: usize, dt_s: f64) {
-        let before = self.last.replace((rest, count)).filter(|(_, then)| *then == count);
-        let seen = match before {
-            // Sensors too few to tell are taken to be as they should be.
-            _ if dimensions == 0 => self.least,
-            Some((before, _)) => {
-                let jump: Pattern = std::array::from_fn(|i| rest[i] - before[i]);
-                (dot(&jump, &jump) / (2.0 * dimensions as f64)).min(LARGEST * self.learnt) / KEPT
-            }
-            None => return,
+    /// Takes in what of the innovations of `count` sensors tells of noise, K, in how many dimensions, and how much of its
+    /// square the filter expects by itself, K². Where nothing tells, what was learnt stays.
+    pub fn update(&mut self, told: Option<(Pattern, usize, f64)>, count: usize, dt_s: f64) {
+        let Some((rest, dimensions, expected)) = told else {
+            self.last = None;
+            return;
         };
-        // There is nothing to doubt at first where nothing will ever tell.
-        let doubt_s = if dimensions == 0 { 0.0 } else { FIRST.1 };
-        let share = (dt_s / (self.learnt_s + doubt_s)).min(1.0);
+        if self.learnt_s == 0.0 {
+            self.learnt = FIRST.0 * FIRST.0;
+        }
+        let before = self.last.replace((rest, count)).filter(|(_, then)| *then == count);
+        let Some((before, _)) = before else { return };
+        let jump: Pattern = std::array::from_fn(|i| rest[i] - before[i]);
+        let seen = (dot(&jump, &jump) / 2.0 - expected).max(0.0) / dimensions.max(1) as f64;
+        let seen = seen.min(LARGEST * self.learnt) / KEPT;
+        let share = (dt_s / (self.learnt_s + FIRST.1)).min(1.0);
         self.learnt = (self.learnt + share * (seen - self.learnt)).clamp(self.least / LARGEST, MOST_K * MOST_K);
         self.learnt_s = (self.learnt_s + dt_s).min(WINDOW_S);
     }
@@ -72,7 +74,7 @@ mod tests {
             let mut rest = Pattern::default();
             rest[..2].fill_with(|| noise_k * random.normal());
             rest[0] += more(i, &mut random);
-            noise.update((rest, 2), 6, 0.02);
+            noise.update(Some((rest, 2, 0.0)), 6, 0.02);
         }
         noise.variance().sqrt()
     }
@@ -96,15 +98,17 @@ mod tests {
     }
 
     #[test]
-    fn too_few_sensors_to_tell_and_others_than_before_change_nothing_for_the_worse() {
+    fn too_few_sensors_to_tell_and_others_than_before_make_nothing_worse() {
         let mut noise = NoiseLevel::new(0.085);
         for i in 0..500 {
             // One more sensor in every second frame is another pattern, no jump.
             let far = if i % 2 == 0 { 3.0 } else { 0.0 };
-            noise.update(([far; 8], 1), 5 + i % 2, 0.02);
+            noise.update(Some(([far; 8], 1, 0.0)), 5 + i % 2, 0.02);
         }
         assert!(noise.variance().sqrt() < 1.2 * FIRST.0);
-        (0..500).for_each(|_| noise.update(([3.0; 8], 0), 4, 0.02));
-        assert_eq!(noise.variance().sqrt(), 0.085);
+        let learnt = noise.variance();
+        noise.update(None, 3, 0.02);
+        assert_eq!(noise.variance(), learnt);
+        assert_eq!(NoiseLevel::new(0.085).variance().sqrt(), 0.085);
     }
 }

@@ -61,3 +61,17 @@ fn readings_may_be_noisier_than_expected() {
         assert!(off < most, "{off}° at {noise_k} K");
     }
 }
+
+/// Where pairs' noise is told by nothing else, it is by a gyro. 0.01 V are 0.4 K.
+#[test]
+fn pairs_may_be_noisier_than_expected() {
+    let (mut noise, scenario) = (Noise::new(4), Scenario::named("clear-dry").unwrap().lasting(120.0).differential());
+    let off = worst_of(&scenario, |f, _| {
+        for sample in f.readings.iter_mut().flatten() {
+            if let Value::Volts(volts) = &mut sample.value {
+                *volts += 0.01 * noise.normal();
+            }
+        }
+    });
+    assert!(off > 0.0 && off < 0.6, "{off}°");
+}
