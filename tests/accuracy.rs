@@ -9,7 +9,7 @@ use flights::{Flown, hear, said, score};
 use irhorizon::attitude::Estimate;
 use irhorizon::config::Settings;
 use irhorizon::ctl::score::statistics::{Said, Score};
-use irhorizon::frame::{Frame, Missing};
+use irhorizon::frame::{Frame, Missing, Sample, Value};
 use irhorizon::head::Head;
 use irhorizon::horizon::Horizon;
 use irhorizon::simulation::Scenario;
@@ -264,6 +264,27 @@ fn rates_with_four_times_the_noise() {
     };
     // Of uniform numbers: 0.4 °/s rms.
     with_rates("clear-dry", |rates| rates.map(|r| r + 0.4 * 12_f64.sqrt() * (next() - 0.5)), ([0.15, 0.15], 90.0));
+}
+
+/// As a datasheet allows: what is always the same is learnt while the aircraft turns, and is no scene. Until that shows, a
+/// minute or so, the errors are larger and the standard deviations too small.
+#[test]
+fn sensors_that_show_too_much_or_too_little() {
+    let off = |frame: &mut Frame| {
+        for (reading, error_k) in frame.readings.iter_mut().zip([0.4, -0.3, 0.2, -0.4, 0.3, -0.1]) {
+            if let Ok(Sample { value: Value::Absolute { object_c, .. }, .. }) = reading {
+                *object_c += error_k;
+            }
+        }
+    };
+    for (name, rms_deg) in [("clear-dry", [0.8, 0.7]), ("clear-humid", [0.8, 0.7])] {
+        let score = score(&flown(name), off, || fresh(0.1));
+        let [roll, pitch, p99, under] = degrees(&score);
+        let within = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap_or(f64::NAN));
+        println!("{name}: {roll:.3} / {pitch:.3} / {p99:.2} / {under:.2}; 2 sigma {within:.1?} %");
+        assert!(roll <= rms_deg[0] && pitch <= rms_deg[1], "{roll} {pitch}");
+        assert!(within.iter().all(|w| *w >= 85.0), "{within:?}");
+    }
 }
 
 /// A filter in the autopilot, stamps that are of its end: the thermopiles cannot tell whose clock is right.

@@ -3,9 +3,9 @@
 //! Where it is warmer the horizon looks higher, and a whole horizon that leans looks like an attitude: only what tells of
 //! the attitude otherwise, turns and climb, tells how it leans. Most skies are much alike all around, and a filter that
 //! expects any lean at all would wait for these. So little is expected, until what has been said is far more likely where
-//! there is much. What was said until then is not lost: of normal distributions one expectation can be taken out and
-//! another put in, as by a measurement whose variance is negative.
+//! there is much.
 
+use super::expected::{self, IfExpected};
 use super::state::{LEAN, MAX, OFFSET, State, TURN, gain};
 use crate::estimator::vector::cross;
 
@@ -14,32 +14,20 @@ const SURE: f64 = 7.0;
 /// The share of flights in which the horizon leans.
 const LEANING: f64 = 0.2;
 
-/// What the leans would be had a standard deviation of `large` (rad) been expected of them, their covariance, and how many
-/// times likelier, as a logarithm, what was said so far is then; none where more was expected.
-fn if_expected(state: &State, large: f64) -> Option<([f64; 2], [[f64; 2]; 2], f64)> {
-    let mut x = [state.x[LEAN], state.x[LEAN + 1]];
-    let mut p: [[f64; 2]; 2] = std::array::from_fn(|i| [state.p[LEAN + i][LEAN], state.p[LEAN + i][LEAN + 1]]);
-    let mut likelier = 0.0;
-    for i in 0..2 {
-        let (mean, variance) = (x[i], p[i][i]);
-        let taken = negative(variance, state.lean2, large * large)?;
-        let ph = p[i];
-        gain(&mut x, &mut p, 2, &ph, variance + taken, -mean);
-        let shown = x[i] * x[i] / p[i][i] - mean * mean / variance;
-        likelier += 0.5 * (shown + (p[i][i] / variance * state.lean2 / (large * large)).ln());
-    }
-    Some((x, p, likelier))
+/// What the leans would be had a standard deviation of `large` (rad) been expected of them; none where more was.
+fn if_expected(state: &State, large: f64) -> Option<IfExpected> {
+    IfExpected::of(state, LEAN..LEAN + 2, (state.lean2, large * large))
 }
 
 /// Whether leans of standard deviation `large` (rad) explain what was said so far better than the ones that were expected.
 pub fn shows(state: &State, large: f64) -> bool {
-    if_expected(state, large).is_some_and(|(.., likelier)| likelier > SURE)
+    if_expected(state, large).is_some_and(|then| then.likelier > SURE)
 }
 
 /// The variance of roll and of pitch, rad², by leans of standard deviation `large` (rad) that are not expected and may be
 /// there for all that was said so far.
 pub fn unexpected(state: &State, large: f64) -> [f64; 2] {
-    let Some((x, p, likelier)) = if_expected(state, large) else { return [0.0; 2] };
+    let Some(IfExpected { x, p, likelier }) = if_expected(state, large) else { return [0.0; 2] };
     let there = 1.0 / (1.0 + (1.0 - LEANING) / LEANING * (-likelier).exp());
     let up = state.vertical();
     let upright = up[2].abs().max(0.3);
@@ -52,14 +40,7 @@ pub fn unexpected(state: &State, large: f64) -> [f64; 2] {
 
 /// Expects leans of standard deviation `large` (rad) from now on, and of what was said so far too.
 pub fn expect(state: &mut State, large: f64) {
-    let n = state.size();
-    for i in LEAN..LEAN + 2 {
-        if let Some(taken) = negative(state.p[i][i], state.lean2, large * large) {
-            let ph: [f64; MAX] = state.p[i];
-            let mean = state.x[i];
-            gain(&mut state.x, &mut state.p, n, &ph, ph[i] + taken, -mean);
-        }
-    }
+    expected::expect(state, LEAN..LEAN + 2, (state.lean2, large * large));
     state.lean2 = large * large;
 }
 
@@ -95,13 +76,6 @@ pub fn hide(s: &mut State, lean: f64) {
             }
         }
     }
-}
-
-/// The variance of the measurement that takes out an expectation of variance `was` and puts in `large`; none where
-/// that was no smaller, or the readings have told less than nothing.
-fn negative(variance: f64, was: f64, large: f64) -> Option<f64> {
-    let taken = 1.0 / (1.0 / large - 1.0 / was);
-    (was < large && variance < (1.0 + 1e-9) * was).then_some(taken)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@
 //! - `hear`: which readings are heard; `witness`: which sensor is not;
 //! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves; `noise`: how noisy they are;
 //! - `doubt`: a scene that is found not to be alike all around; `lean`: how far its horizon is expected to lean;
+//! - `calibration`: sensors that are off; `expected`: states of which more is expected later;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
 //! - `unheard`: what a sensor left out might have been right about;
 //! - `output`: angles and standard deviations.
@@ -16,8 +17,10 @@
 mod adapt;
 mod aid;
 mod begin;
+mod calibration;
 mod correct;
 mod doubt;
+mod expected;
 mod gyro;
 mod hear;
 mod hint;
@@ -114,6 +117,8 @@ pub struct FieldEstimator {
     told: bool,
     /// For how long one of these is being found, s.
     found_s: f64,
+    /// For how long it has shown that the sensors are off, s.
+    off_s: f64,
     /// For how long what is seen has been against all that is known, s.
     lost_s: f64,
     /// For how long one reading has been far from what it was predicted, s.
@@ -158,6 +163,7 @@ impl FieldEstimator {
             leant: false,
             told: false,
             found_s: 0.0,
+            off_s: 0.0,
             lost_s: 0.0,
             glitch_s: 0.0,
             turned: 0.0,
@@ -299,6 +305,7 @@ impl Estimator for FieldEstimator {
             self.leave_out(&mut readings, dt_s);
             self.learn(&readings, dt_s);
             self.doubt(now, dt_s);
+            self.calibrate(dt_s);
         }
         self.correct(&readings, dt_s);
         self.look(frame, now);

@@ -91,7 +91,7 @@ fn move_rows(state: &mut State, back: &[Vector; 3], dt_s: f64, rate_keep: f64, s
         p[TURN + i] = row;
         p[RATE + i].iter_mut().for_each(|v| *v *= rate_keep);
     }
-    for row in &mut p[SEEN + sensors..n] {
+    for row in &mut p[SEEN + sensors..SEEN + 2 * sensors] {
         row[..n].iter_mut().for_each(|v| *v *= scene_keep);
     }
     for row in &mut p[..n] {
@@ -99,7 +99,7 @@ fn move_rows(state: &mut State, back: &[Vector; 3], dt_s: f64, rate_keep: f64, s
         let new = add_scaled(product(back, turn), dt_s, rate);
         row[TURN..TURN + 3].copy_from_slice(&new);
         row[RATE..RATE + 3].iter_mut().for_each(|v| *v *= rate_keep);
-        row[SEEN + sensors..n].iter_mut().for_each(|v| *v *= scene_keep);
+        row[SEEN + sensors..SEEN + 2 * sensors].iter_mut().for_each(|v| *v *= scene_keep);
     }
 }
 
@@ -137,6 +137,9 @@ fn add_noise(
         let walk = t.lean.1 + pace.leaning * t.unlike_lean_walk + t.lean_share * found;
         (LEAN..LEAN + 2).for_each(|i| add(i, walk * walk * dt_s));
         state.lean2 += walk * walk * dt_s;
+        let walk = t.error.2;
+        (SEEN + 2 * sensors..SEEN + 3 * sensors).for_each(|i| add(i, walk * walk * dt_s));
+        state.error2 += walk * walk * dt_s;
     }
     (SEEN + sensors..SEEN + 2 * sensors).for_each(|i| add(i, pace.scene_k2 * lost.1));
 }
@@ -155,11 +158,11 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
         state.axes.map(|a| unit(add_scaled(a, age_s, cross(rate, a))).unwrap_or(a))
     };
     let scene = scene(state);
-    let mut slopes = [[(0_usize, 0.0_f64); 14]; MAX_SENSORS];
+    let mut slopes = [[(0_usize, 0.0_f64); 15]; MAX_SENSORS];
     for (i, slope) in slopes[..sensors].iter_mut().enumerate() {
         let s = model.seen(i, &axes, &scene);
-        let own = SEEN + sensors + i;
-        let input = s.value + s.sky * state.x[own];
+        let (own, error) = (SEEN + sensors + i, SEEN + 2 * sensors + i);
+        let input = s.value + s.sky * state.x[own] + state.x[error];
         let lag = if lag_s > 1e-4 { keep * dt_s / lag_s * (state.x[SEEN + i] - input) } else { 0.0 };
         let ([x, y, z], [north, west]) = (s.by_turn, s.by_lean);
         *slope = [
@@ -176,10 +179,11 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
             (LEAN, north),
             (LEAN + 1, west),
             (own, s.sky),
+            (error, 1.0),
             (LAG, 0.0),
         ];
         slope.iter_mut().for_each(|(_, v)| *v *= gain);
-        slope[13].1 = lag;
+        slope[14].1 = lag;
         state.x[SEEN + i] = keep * state.x[SEEN + i] + gain * input;
         state.plain[i] = keep * state.plain[i] + gain * s.value;
     }

@@ -23,11 +23,11 @@ pub const OFFSET: usize = 11;
 pub const LAG: usize = 13;
 /// How much wider the sensors see than they are said to, as [`Family`](crate::sky::family::Family) counts it.
 pub const SPREAD: usize = 14;
-/// What each sensor shows, lag included; then each sensor's own scene.
+/// What each sensor shows, lag included; then each sensor's own scene; then what each shows too much wherever it looks.
 pub const SEEN: usize = 15;
 
 /// The most states.
-pub const MAX: usize = SEEN + 2 * MAX_SENSORS;
+pub const MAX: usize = SEEN + 3 * MAX_SENSORS;
 
 /// Values and covariance. States beyond [`State::size`] are not used.
 #[derive(Clone, Debug)]
@@ -42,6 +42,8 @@ pub struct State {
     pub p: [[f64; MAX]; MAX],
     /// The variance that each lean was expected to have, with what its walk has added, rad².
     pub lean2: f64,
+    /// The same of what each sensor shows too much, K²; zero while nothing is learnt of it.
+    pub error2: f64,
     sensors: usize,
 }
 
@@ -54,18 +56,24 @@ impl State {
             plain: [0.0; MAX_SENSORS],
             p: [[0.0; MAX]; MAX],
             lean2: 0.0,
+            error2: 0.0,
             sensors: sensors.min(MAX_SENSORS),
         }
     }
 
     /// How many states there are.
     pub fn size(&self) -> usize {
-        SEEN + 2 * self.sensors
+        SEEN + 3 * self.sensors
     }
 
     /// The state of sensor `i`'s own scene, K.
     pub fn scene(&self, i: usize) -> usize {
         SEEN + self.sensors + i
+    }
+
+    /// The state of what sensor `i` shows too much wherever it looks, K.
+    pub fn error(&self, i: usize) -> usize {
+        SEEN + 2 * self.sensors + i
     }
 
     /// The upward vertical on (nose, left, up).

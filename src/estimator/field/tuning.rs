@@ -49,6 +49,8 @@ pub struct Tuning {
     pub hidden: (f64, f64),
     /// A sensor's own scene at first (for a contrast of 35 K), and its least size.
     pub scene: (f64, f64),
+    /// What a sensor shows too much wherever it looks: expected at first, once it shows, and its walk.
+    pub error: (f64, f64, f64),
     /// How long a scene lasts at rest.
     pub scene_time_s: f64,
     /// The angle that turns a scene into another, with a gyro.
@@ -92,6 +94,7 @@ impl Default for Tuning {
             unlike_side_k: (1.35, 0.25),
             hidden: (3.5, 1.0),
             scene: (0.15, 0.012),
+            error: (0.001, 0.3, 0.0001),
             scene_time_s: 60.0,
             scene_angle: 0.8,
             unaided_scene_angle: (3.0, 1.5),

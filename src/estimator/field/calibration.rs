@@ -1,0 +1,108 @@
+//! What each sensor shows too much, or too little, wherever it looks.
+//!
+//! Half a kelvin is what a datasheet allows, and as a tilt it is half a degree or more. It turns with the body and stays,
+//! as no scene does; from an attitude only a gyro tells it. Most heads show none, and a filter that expects any waits
+//! for it to be ruled out: so little is expected until much is far likelier, for long.
+
+use super::FieldEstimator;
+use super::expected::{IfExpected, expect};
+use super::state::State;
+use std::ops::Range;
+
+/// How many times more likely, as a logarithm, large errors must be; for so long, s.
+const SURE: f64 = 25.0;
+const LASTS_S: f64 = 20.0;
+/// How surely the readings have fitted no even sky for long: what a gyro does wrong leaves them alike all around.
+const UNLIKE: f64 = 0.5;
+
+impl FieldEstimator {
+    /// Expects the sensors to be off once that shows.
+    pub(super) fn calibrate(&mut self, dt_s: f64) {
+        let t = &self.tuning;
+        let large = t.error.1 * t.error.1;
+        let shows = self.gyro.in_use()
+            && self.scene.long_unlike() > UNLIKE
+            && IfExpected::of(&self.state, errors(&self.state), (self.state.error2, large))
+                .is_some_and(|then| then.likelier > SURE);
+        self.off_s = if shows { self.off_s + dt_s } else { 0.0 };
+        if self.off_s > LASTS_S {
+            self.off_s = 0.0;
+            let (states, was) = (errors(&self.state), self.state.error2);
+            expect(&mut self.state, states, (was, large));
+            self.state.error2 = large;
+        }
+    }
+
+    /// With the first gyro little is expected; what was learnt by the last one stays.
+    pub(super) fn set_errors(&mut self) {
+        let (least, s) = (self.tuning.error.0.powi(2), &mut self.state);
+        if self.gyro.in_use() && s.error2 <= 0.0 {
+            errors(s).for_each(|i| s.set_variance(i, least));
+            s.error2 = least;
+        }
+    }
+}
+
+fn errors(state: &State) -> Range<usize> {
+    state.error(0)..state.size()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Tuning;
+    use super::*;
+    use crate::estimator::Estimator;
+    use crate::frame::{Frame, Sample, Value};
+    use crate::simulation::scenario::Scenario;
+    use crate::source::FrameSource;
+    use crate::time::Time;
+
+    /// Five minutes under a clear sky with sensors that show so much too much, K.
+    fn flown(errors_k: [f64; 6], gyro: bool) -> FieldEstimator {
+        let scenario = Scenario::named("clear-dry").unwrap().lasting(300.0);
+        let (mut source, head) = (scenario.source(21), scenario.head());
+        let mut e = FieldEstimator::new(&head, scenario.field(), Tuning::default());
+        let mut frame = Frame::new(head.sensors.len());
+        for i in 0..300 * 50 {
+            source.scan(Time::from_secs_f64(100.0 + f64::from(i) * 0.02), &mut frame);
+            for (reading, error_k) in frame.readings.iter_mut().zip(errors_k) {
+                if let Ok(Sample { value: Value::Absolute { object_c, .. }, .. }) = reading {
+                    *object_c += error_k;
+                }
+            }
+            if !gyro {
+                frame.aiding.gyro_deg_s = [None; 3];
+            }
+            e.update(&frame);
+        }
+        e
+    }
+
+    #[test]
+    fn sensors_that_are_off_are_found_out_in_flight() {
+        let errors_k = [0.4, -0.3, 0.2, -0.4, 0.3, -0.1];
+        let e = flown(errors_k, true);
+        assert!(e.state.error2 > 0.01, "nothing shows");
+        // What all have in common is the ground's temperature, what the upper one alone has is the contrast: neither
+        // tilts anything.
+        for pair in [0, 2] {
+            let found = e.state.x[e.state.error(pair)] - e.state.x[e.state.error(pair + 1)];
+            let off = found - (errors_k[pair] - errors_k[pair + 1]);
+            assert!(off.abs() < 0.15, "pair {pair}: {found}");
+        }
+    }
+
+    #[test]
+    fn where_all_are_right_nothing_is_found() {
+        let e = flown([0.0; 6], true);
+        assert!(e.state.error2 < 0.01);
+        assert!(errors(&e.state).all(|i| e.state.x[i].abs() < 0.01));
+    }
+
+    #[test]
+    fn without_a_gyro_nothing_tells() {
+        let e = flown([0.4, -0.3, 0.2, -0.4, 0.3, -0.1], false);
+        assert_eq!(e.state.error2, 0.0);
+        assert!(errors(&e.state).all(|i| e.state.x[i] == 0.0 && e.state.p[i][i] == 0.0));
+    }
+}

@@ -1,0 +1,58 @@
+//! States of which little is expected until what has been said is far more likely with more.
+//!
+//! What was said until then is not lost: of normal distributions one expectation can be taken out and another put in, as by
+//! a measurement whose variance is negative.
+
+use super::state::{MAX, MAX_SENSORS, State, gain};
+use std::ops::Range;
+
+/// What some states would be had more been expected of them, by what was said so far.
+#[derive(Clone, Copy, Debug)]
+pub struct IfExpected {
+    /// Their values: as many as there are such states.
+    pub x: [f64; MAX_SENSORS],
+    /// Their covariance.
+    pub p: [[f64; MAX_SENSORS]; MAX_SENSORS],
+    /// How many times likelier, as a logarithm, what was said so far is then.
+    pub likelier: f64,
+}
+
+impl IfExpected {
+    /// Had a variance of `large` been expected of each of `states` (no more than [`MAX_SENSORS`]) where it was `was`; none
+    /// where more was expected.
+    pub fn of(state: &State, states: Range<usize>, (was, large): (f64, f64)) -> Option<Self> {
+        let n = states.len();
+        let mut made = Self { x: [0.0; MAX_SENSORS], p: [[0.0; MAX_SENSORS]; MAX_SENSORS], likelier: 0.0 };
+        let Self { x, p, likelier } = &mut made;
+        x[..n].copy_from_slice(&state.x[states.clone()]);
+        p.iter_mut().zip(&state.p[states.clone()]).for_each(|(p, row)| p[..n].copy_from_slice(&row[states.clone()]));
+        for i in 0..n {
+            let (mean, variance) = (x[i], p[i][i]);
+            let taken = negative(variance, was, large)?;
+            let ph = p[i];
+            gain(x, p, n, &ph, variance + taken, -mean);
+            let shown = x[i] * x[i] / p[i][i] - mean * mean / variance;
+            *likelier += 0.5 * (shown + (p[i][i] / variance * was / large).ln());
+        }
+        Some(made)
+    }
+}
+
+/// Expects a variance of `large` of each of `states` from now on where it was `was`, and of what was said so far too.
+pub fn expect(state: &mut State, states: Range<usize>, (was, large): (f64, f64)) {
+    let n = state.size();
+    for i in states {
+        if let Some(taken) = negative(state.p[i][i], was, large) {
+            let ph: [f64; MAX] = state.p[i];
+            let mean = state.x[i];
+            gain(&mut state.x, &mut state.p, n, &ph, ph[i] + taken, -mean);
+        }
+    }
+}
+
+/// The variance of the measurement that takes out an expectation of variance `was` and puts in `large`; none where
+/// that was no smaller, or the readings have told less than nothing.
+fn negative(variance: f64, was: f64, large: f64) -> Option<f64> {
+    let taken = 1.0 / (1.0 / large - 1.0 / was);
+    (was < large && variance < (1.0 + 1e-9) * was).then_some(taken)
+}
