@@ -6,8 +6,6 @@
 
 use super::FieldEstimator;
 use super::expected::{IfExpected, expect};
-use super::state::State;
-use std::ops::Range;
 
 /// How many times more likely, as a logarithm, large errors must be; for so long, s.
 const SURE: f64 = 25.0;
@@ -22,12 +20,12 @@ impl FieldEstimator {
         let large = t.error.1 * t.error.1;
         let shows = self.gyro.in_use()
             && self.scene.long_unlike() > UNLIKE
-            && IfExpected::of(&self.state, errors(&self.state), (self.state.error2, large))
+            && IfExpected::of(&self.state, self.state.errors(), (self.state.error2, large))
                 .is_some_and(|then| then.likelier > SURE);
         self.off_s = if shows { self.off_s + dt_s } else { 0.0 };
         if self.off_s > LASTS_S {
             self.off_s = 0.0;
-            let (states, was) = (errors(&self.state), self.state.error2);
+            let (states, was) = (self.state.errors(), self.state.error2);
             expect(&mut self.state, states, (was, large));
             self.state.error2 = large;
         }
@@ -37,14 +35,10 @@ impl FieldEstimator {
     pub(super) fn set_errors(&mut self) {
         let (least, s) = (self.tuning.error.0.powi(2), &mut self.state);
         if self.gyro.in_use() && s.error2 <= 0.0 {
-            errors(s).for_each(|i| s.set_variance(i, least));
             s.error2 = least;
+            s.errors().for_each(|i| s.set_variance(i, least));
         }
     }
-}
-
-fn errors(state: &State) -> Range<usize> {
-    state.error(0)..state.size()
 }
 
 #[cfg(test)]
@@ -86,7 +80,7 @@ mod tests {
         // What all have in common is the ground's temperature, what the upper one alone has is the contrast: neither
         // tilts anything.
         for pair in [0, 2] {
-            let found = e.state.x[e.state.error(pair)] - e.state.x[e.state.error(pair + 1)];
+            let found = e.state.x[e.state.errors().start + pair] - e.state.x[e.state.errors().start + pair + 1];
             let off = found - (errors_k[pair] - errors_k[pair + 1]);
             assert!(off.abs() < 0.15, "pair {pair}: {found}");
         }
@@ -96,13 +90,13 @@ mod tests {
     fn where_all_are_right_nothing_is_found() {
         let e = flown([0.0; 6], true);
         assert!(e.state.error2 < 0.01);
-        assert!(errors(&e.state).all(|i| e.state.x[i].abs() < 0.01));
+        assert!(e.state.errors().all(|i| e.state.x[i].abs() < 0.01));
     }
 
     #[test]
     fn without_a_gyro_nothing_tells() {
         let e = flown([0.4, -0.3, 0.2, -0.4, 0.3, -0.1], false);
         assert_eq!(e.state.error2, 0.0);
-        assert!(errors(&e.state).all(|i| e.state.x[i] == 0.0 && e.state.p[i][i] == 0.0));
+        assert!(e.state.errors().all(|i| e.state.x[i] == 0.0 && e.state.p[i][i] == 0.0));
     }
 }

@@ -1,6 +1,7 @@
 //! The filter's state: values, covariance, and the two things done with them.
 
 use crate::estimator::vector::{Vector, cross, dot, product, rotation, unit};
+use std::ops::Range;
 
 /// The most sensors that a head may have.
 pub const MAX_SENSORS: usize = 8;
@@ -61,9 +62,9 @@ impl State {
         }
     }
 
-    /// How many states there are.
+    /// How many states there are: without the sensors' errors while nothing is learnt of these.
     pub fn size(&self) -> usize {
-        SEEN + 3 * self.sensors
+        if self.error2 > 0.0 { self.errors().end } else { self.errors().start }
     }
 
     /// The state of sensor `i`'s own scene, K.
@@ -71,9 +72,9 @@ impl State {
         SEEN + self.sensors + i
     }
 
-    /// The state of what sensor `i` shows too much wherever it looks, K.
-    pub fn error(&self, i: usize) -> usize {
-        SEEN + 2 * self.sensors + i
+    /// The states of what each sensor shows too much wherever it looks, K.
+    pub fn errors(&self) -> Range<usize> {
+        SEEN + 2 * self.sensors..SEEN + 3 * self.sensors
     }
 
     /// The upward vertical on (nose, left, up).
