@@ -270,20 +270,31 @@ fn rates_with_four_times_the_noise() {
 /// minute or so, the errors are larger and the standard deviations too small.
 #[test]
 fn sensors_that_show_too_much_or_too_little() {
-    let off = |frame: &mut Frame| {
-        for (reading, error_k) in frame.readings.iter_mut().zip([0.4, -0.3, 0.2, -0.4, 0.3, -0.1]) {
-            if let Ok(Sample { value: Value::Absolute { object_c, .. }, .. }) = reading {
-                *object_c += error_k;
+    let off = |errors: [f64; 6], by: fn(&mut f64, f64, f64)| {
+        move |frame: &mut Frame| {
+            for (reading, error) in frame.readings.iter_mut().zip(errors) {
+                if let Ok(Sample { value: Value::Absolute { object_c, ambient_c: Some(ambient_c) }, .. }) = reading {
+                    by(object_c, *ambient_c, error);
+                }
             }
         }
     };
-    for (name, rms_deg) in [("clear-dry", [0.8, 0.7]), ("clear-humid", [0.8, 0.7])] {
+    let constant = off([0.4, -0.3, 0.2, -0.4, 0.3, -0.1], |object_c, _, error_k| *object_c += error_k);
+    let scale =
+        off([0.02, -0.03, 0.02, -0.02, 0.03, -0.01], |object_c, die_c, by| *object_c += by * (*object_c - die_c));
+    // In humid air such a scale is a scene for most of the five minutes.
+    for (name, off, rms_deg, least) in [
+        ("clear-dry", &constant as &dyn Fn(&mut Frame), [0.8, 0.7], 85.0),
+        ("clear-humid", &constant, [0.8, 0.7], 85.0),
+        ("clear-dry", &scale, [0.75, 0.65], 90.0),
+        ("clear-humid", &scale, [1.15, 1.2], 0.0),
+    ] {
         let score = score(&flown(name), off, || fresh(0.1));
         let [roll, pitch, p99, under] = degrees(&score);
         let within = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap_or(f64::NAN));
         println!("{name}: {roll:.3} / {pitch:.3} / {p99:.2} / {under:.2}; 2 sigma {within:.1?} %");
         assert!(roll <= rms_deg[0] && pitch <= rms_deg[1], "{roll} {pitch}");
-        assert!(within.iter().all(|w| *w >= 85.0), "{within:?}");
+        assert!(within.iter().all(|w| *w >= least), "{within:?}");
     }
 }
 

@@ -1,8 +1,8 @@
-//! What each sensor shows too much, or too little, wherever it looks.
+//! What each sensor shows too much, or too little: wherever it looks, and as a share of what is colder than the ground.
 //!
-//! Half a kelvin is what a datasheet allows, and as a tilt it is half a degree or more. It turns with the body and stays,
-//! as no scene does; from an attitude only a gyro tells it. Most heads show none, and a filter that expects any waits
-//! for it to be ruled out: so little is expected until much is far likelier, for long.
+//! Half a kelvin is what a datasheet allows, and more far from the die's temperature; as a tilt it is half a degree or more.
+//! It turns with the body and stays, as no scene does; from an attitude only a gyro tells it. Most heads show none, and a
+//! filter that expects any waits for it to be ruled out: so little is expected until much is far likelier, for long.
 
 use super::FieldEstimator;
 use super::expected::{IfExpected, expect};

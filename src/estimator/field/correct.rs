@@ -174,8 +174,6 @@ impl FieldEstimator {
 
     /// What sensor `i` shows beyond what the sky and the attitude explain, K.
     pub fn residual_k(&self, i: usize) -> Option<f64> {
-        (i < self.model.sensors()).then(|| {
-            self.state.x[self.state.scene(i)] + self.state.x[self.state.errors().start + i] + self.scene.left_k(i)
-        })
+        (i < self.model.sensors()).then(|| self.state.x[self.state.scene(i)] + self.state.off[i] + self.scene.left_k(i))
     }
 }

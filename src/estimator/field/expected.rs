@@ -6,23 +6,26 @@
 use super::state::{MAX, MAX_SENSORS, State, gain};
 use std::ops::Range;
 
+/// The most states that can be asked about.
+const MOST: usize = 2 * MAX_SENSORS;
+
 /// What some states would be had more been expected of them, by what was said so far.
 #[derive(Clone, Copy, Debug)]
 pub struct IfExpected {
     /// Their values: as many as there are such states.
-    pub x: [f64; MAX_SENSORS],
+    pub x: [f64; MOST],
     /// Their covariance.
-    pub p: [[f64; MAX_SENSORS]; MAX_SENSORS],
+    pub p: [[f64; MOST]; MOST],
     /// How many times likelier, as a logarithm, what was said so far is then.
     pub likelier: f64,
 }
 
 impl IfExpected {
-    /// Had a variance of `large` been expected of each of `states` (no more than [`MAX_SENSORS`]) where it was `was`; none
+    /// Had a variance of `large` been expected of each of `states` (no more than two for each of [`MAX_SENSORS`]) where it was `was`; none
     /// where more was expected.
     pub fn of(state: &State, states: Range<usize>, (was, large): (f64, f64)) -> Option<Self> {
         let n = states.len();
-        let mut made = Self { x: [0.0; MAX_SENSORS], p: [[0.0; MAX_SENSORS]; MAX_SENSORS], likelier: 0.0 };
+        let mut made = Self { x: [0.0; MOST], p: [[0.0; MOST]; MOST], likelier: 0.0 };
         let Self { x, p, likelier } = &mut made;
         x[..n].copy_from_slice(&state.x[states.clone()]);
         p.iter_mut().zip(&state.p[states.clone()]).for_each(|(p, row)| p[..n].copy_from_slice(&row[states.clone()]));

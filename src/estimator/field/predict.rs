@@ -1,7 +1,7 @@
 //! From one frame to the next: how the state moves, and what that leaves in doubt.
 
 use super::model::{Model, Scene};
-use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPREAD, State, TURN};
+use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPAN_K, SPREAD, State, TURN};
 use super::tuning::Tuning;
 use crate::estimator::flying::G_M_S2;
 use crate::estimator::vector::{Vector, add_scaled, cross, length, product, rotation, unit};
@@ -138,7 +138,7 @@ fn add_noise(
         (LEAN..LEAN + 2).for_each(|i| add(i, walk * walk * dt_s));
         state.lean2 += walk * walk * dt_s;
         let walk = t.error.2;
-        (SEEN + 2 * sensors..SEEN + 3 * sensors).for_each(|i| add(i, walk * walk * dt_s));
+        (SEEN + 2 * sensors..SEEN + 4 * sensors).for_each(|i| add(i, walk * walk * dt_s));
         state.error2 += walk * walk * dt_s;
     }
     (SEEN + sensors..SEEN + 2 * sensors).for_each(|i| add(i, pace.scene_k2 * lost.1));
@@ -158,11 +158,14 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
         state.axes.map(|a| unit(add_scaled(a, age_s, cross(rate, a))).unwrap_or(a))
     };
     let scene = scene(state);
-    let mut slopes = [[(0_usize, 0.0_f64); 15]; MAX_SENSORS];
+    let mut slopes = [[(0_usize, 0.0_f64); 16]; MAX_SENSORS];
     for (i, slope) in slopes[..sensors].iter_mut().enumerate() {
         let s = model.seen(i, &axes, &scene);
-        let (own, error) = (SEEN + sensors + i, SEEN + 2 * sensors + i);
-        let input = s.value + s.sky * state.x[own] + state.x[error];
+        let [own, error, scale] = [1, 2, 3].map(|k| SEEN + k * sensors + i);
+        // What it shows less than the ground, all of it off by the same share.
+        let share = scene.contrast_k * s.by_contrast / SPAN_K;
+        let off = state.x[error] + share * state.x[scale];
+        let input = s.value + s.sky * state.x[own] + off;
         let lag = if lag_s > 1e-4 { keep * dt_s / lag_s * (state.x[SEEN + i] - input) } else { 0.0 };
         let ([x, y, z], [north, west]) = (s.by_turn, s.by_lean);
         *slope = [
@@ -180,12 +183,14 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
             (LEAN + 1, west),
             (own, s.sky),
             (error, 1.0),
+            (scale, share),
             (LAG, 0.0),
         ];
         slope.iter_mut().for_each(|(_, v)| *v *= gain);
-        slope[14].1 = lag;
+        slope[15].1 = lag;
         state.x[SEEN + i] = keep * state.x[SEEN + i] + gain * input;
         state.plain[i] = keep * state.plain[i] + gain * s.value;
+        state.off[i] = off;
     }
     // Rows, then columns: F·P·Fᵀ with F other than one in these rows alone.
     for (i, slope) in slopes[..sensors].iter().enumerate() {

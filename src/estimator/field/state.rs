@@ -24,11 +24,16 @@ pub const OFFSET: usize = 11;
 pub const LAG: usize = 13;
 /// How much wider the sensors see than they are said to, as [`Family`](crate::sky::family::Family) counts it.
 pub const SPREAD: usize = 14;
-/// What each sensor shows, lag included; then each sensor's own scene; then what each shows too much wherever it looks.
+/// What each sensor shows, lag included; then each sensor's own scene; then what each shows too much wherever it looks;
+/// then what it shows too much of the sky.
 pub const SEEN: usize = 15;
 
+/// A sensor's scale is expected to be off by so much that it adds as much as its constant error where the sky is so much
+/// colder than the ground, K.
+pub const SPAN_K: f64 = 15.0;
+
 /// The most states.
-pub const MAX: usize = SEEN + 3 * MAX_SENSORS;
+pub const MAX: usize = SEEN + 4 * MAX_SENSORS;
 
 /// Values and covariance. States beyond [`State::size`] are not used.
 #[derive(Clone, Debug)]
@@ -39,6 +44,8 @@ pub struct State {
     pub x: [f64; MAX],
     /// What each sensor would show without a scene of its own: of the attitude and the sky alone.
     pub plain: [f64; MAX_SENSORS],
+    /// What each sensor shows too much there, K.
+    pub off: [f64; MAX_SENSORS],
     /// Covariance.
     pub p: [[f64; MAX]; MAX],
     /// The variance that each lean was expected to have, with what its walk has added, rad².
@@ -55,6 +62,7 @@ impl State {
             axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             x: [0.0; MAX],
             plain: [0.0; MAX_SENSORS],
+            off: [0.0; MAX_SENSORS],
             p: [[0.0; MAX]; MAX],
             lean2: 0.0,
             error2: 0.0,
@@ -72,9 +80,10 @@ impl State {
         SEEN + self.sensors + i
     }
 
-    /// The states of what each sensor shows too much wherever it looks, K.
+    /// The states of what each sensor shows too much wherever it looks, K; then of what it shows too much of the sky, K where
+    /// that is [`SPAN_K`] colder than the ground.
     pub fn errors(&self) -> Range<usize> {
-        SEEN + 2 * self.sensors..SEEN + 3 * self.sensors
+        SEEN + 2 * self.sensors..SEEN + 4 * self.sensors
     }
 
     /// The upward vertical on (nose, left, up).
