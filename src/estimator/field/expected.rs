@@ -21,8 +21,8 @@ pub struct IfExpected {
 }
 
 impl IfExpected {
-    /// Had a variance of `large` been expected of each of `states` (no more than two for each of [`MAX_SENSORS`]) where it was `was`; none
-    /// where more was expected.
+    /// Had a variance of `large` been expected of each of `states` (no more than two for each of [`MAX_SENSORS`]) where it
+    /// was `was`; none where more was expected.
     pub fn of(state: &State, states: Range<usize>, (was, large): (f64, f64)) -> Option<Self> {
         let n = states.len();
         let mut made = Self { x: [0.0; MOST], p: [[0.0; MOST]; MOST], likelier: 0.0 };
