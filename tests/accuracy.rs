@@ -217,21 +217,27 @@ fn five_of_six_sensors() {
     none(&missed);
 }
 
-/// Flies `name` with body rates changed by `change`, as autopilots have them: of another scale, on axes that are not the
-/// head's, noisy; nobody tells the estimator. The largest rms of roll and pitch, °; the least share within 2 σ, %.
-fn with_rates(name: &str, change: impl Fn([f64; 3]) -> [f64; 3], (rms_deg, covered): ([f64; 2], f64)) {
+/// Flies `name` with frames made `worse`; nobody tells the estimator. The largest rms of roll and pitch, °; the least share
+/// within 2 σ, %.
+fn with_worse(name: &str, worse: impl Fn(&mut Frame), (rms_deg, covered): ([f64; 2], f64)) {
+    let score = score(&flown(name), worse, || fresh(0.1));
+    let [roll, pitch, p99, under] = degrees(&score);
+    let within = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap_or(f64::NAN));
+    println!("{name}: {roll:.3} / {pitch:.3} / {p99:.2} / {under:.2}; 2 sigma {within:.1?} %");
+    assert!(roll <= rms_deg[0] && pitch <= rms_deg[1], "{roll} {pitch}");
+    assert!(within.iter().all(|w| *w >= covered), "{within:?}");
+    assert_eq!(score.withheld_percent, Some(0.0));
+}
+
+/// The same with body rates changed by `change`, as autopilots have them: of another scale, on axes that are not the
+/// head's, noisy.
+fn with_rates(name: &str, change: impl Fn([f64; 3]) -> [f64; 3], limits: ([f64; 2], f64)) {
     let worse = |frame: &mut Frame| {
         if let [Some(p), Some(q), Some(r)] = frame.aiding.gyro_deg_s {
             frame.aiding.gyro_deg_s = change([p, q, r]).map(Some);
         }
     };
-    let score = score(&flown(name), worse, || fresh(0.1));
-    let [roll, pitch, p99, _] = degrees(&score);
-    let within = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap_or(f64::NAN));
-    println!("{name}: {roll:.3} / {pitch:.3} / {p99:.2}; 2 sigma {within:.1?} %");
-    assert!(roll <= rms_deg[0] && pitch <= rms_deg[1], "{roll} {pitch}");
-    assert!(within.iter().all(|w| *w >= covered), "{within:?}");
-    assert_eq!(score.withheld_percent, Some(0.0));
+    with_worse(name, worse, limits);
 }
 
 /// Turned by so many degrees about each of its axes, the other way round about the second.
@@ -282,20 +288,11 @@ fn sensors_that_show_too_much_or_too_little() {
     let constant = off([0.4, -0.3, 0.2, -0.4, 0.3, -0.1], |object_c, _, error_k| *object_c += error_k);
     let scale =
         off([0.02, -0.03, 0.02, -0.02, 0.03, -0.01], |object_c, die_c, by| *object_c += by * (*object_c - die_c));
-    // In humid air such a scale is a scene for most of the five minutes.
-    for (name, off, rms_deg, least) in [
-        ("clear-dry", &constant as &dyn Fn(&mut Frame), [0.8, 0.7], 85.0),
-        ("clear-humid", &constant, [0.8, 0.7], 85.0),
-        ("clear-dry", &scale, [0.75, 0.65], 90.0),
-        ("clear-humid", &scale, [1.15, 1.2], 0.0),
-    ] {
-        let score = score(&flown(name), off, || fresh(0.1));
-        let [roll, pitch, p99, under] = degrees(&score);
-        let within = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap_or(f64::NAN));
-        println!("{name}: {roll:.3} / {pitch:.3} / {p99:.2} / {under:.2}; 2 sigma {within:.1?} %");
-        assert!(roll <= rms_deg[0] && pitch <= rms_deg[1], "{roll} {pitch}");
-        assert!(within.iter().all(|w| *w >= least), "{within:?}");
-    }
+    with_worse("clear-dry", constant, ([0.8, 0.7], 85.0));
+    with_worse("clear-humid", constant, ([0.8, 0.7], 85.0));
+    with_worse("clear-dry", scale, ([0.75, 0.65], 90.0));
+    // In humid air such a scale is a scene for most of the five minutes: a known miss, σ is too small.
+    with_worse("clear-humid", scale, ([1.15, 1.2], 45.0));
 }
 
 /// A filter in the autopilot, stamps that are of its end: the thermopiles cannot tell whose clock is right.

@@ -115,6 +115,7 @@ fn add_noise(
     lost: (f64, f64),
 ) {
     let found = state.x[LEAN].hypot(state.x[LEAN + 1]);
+    let errors = state.errors();
     let mut add = |i: usize, variance: f64| state.p[i][i] += variance;
     for i in 0..3 {
         if let Some(rates) = turns {
@@ -138,7 +139,7 @@ fn add_noise(
         (LEAN..LEAN + 2).for_each(|i| add(i, walk * walk * dt_s));
         state.lean2 += walk * walk * dt_s;
         let walk = t.error.2;
-        (SEEN + 2 * sensors..SEEN + 4 * sensors).for_each(|i| add(i, walk * walk * dt_s));
+        errors.for_each(|i| add(i, walk * walk * dt_s));
         state.error2 += walk * walk * dt_s;
     }
     (SEEN + sensors..SEEN + 2 * sensors).for_each(|i| add(i, pace.scene_k2 * lost.1));

@@ -49,7 +49,8 @@ pub struct Tuning {
     pub hidden: (f64, f64),
     /// A sensor's own scene at first (for a contrast of 35 K), and its least size.
     pub scene: (f64, f64),
-    /// What a sensor shows too much wherever it looks: expected at first, once it shows, and its walk.
+    /// What a sensor shows too much, by its zero and, 15 K below the ground, by its scale: expected at first, once it shows,
+    /// and its walk.
     pub error: (f64, f64, f64),
     /// How long a scene lasts at rest.
     pub scene_time_s: f64,
