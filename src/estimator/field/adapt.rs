@@ -11,11 +11,14 @@ const FIRST_S: f64 = 3.0;
 /// Over this time innovations are averaged to see what no state explains, s.
 const LEFT_S: f64 = 1.0;
 /// An innovation beyond this is a glitch and no scene, K.
-const GLITCH_K: f64 = 1.0;
+pub const GLITCH_K: f64 = 1.0;
 /// The largest scene, K.
 const LARGEST_K: f64 = 4.0;
 /// How long a scene that was unlike is thought to be so still, s.
 const LATELY_S: f64 = 120.0;
+/// Over this time it is seen how strong scenes usually are, s; what is no stronger than so many times that is nothing new.
+const USUAL_S: f64 = 60.0;
+const NEW: f64 = 1.5;
 /// How long it has to be unlike to have been so for long, s.
 const LONG_S: f64 = 30.0;
 /// Noise leaves so much in that average, K, where it is as small as it should be, at 50 Hz: of more, so many times its
@@ -130,6 +133,8 @@ pub struct SceneStrength {
     lately: f64,
     /// How surely it has been so for long.
     long: f64,
+    /// The size of what has usually been seen of scenes, K.
+    usual_k: f64,
 }
 
 impl SceneStrength {
@@ -145,6 +150,7 @@ impl SceneStrength {
             first: 0.0,
             lately: 0.0,
             long: 0.0,
+            usual_k: 0.0,
         }
     }
 
@@ -181,6 +187,7 @@ impl SceneStrength {
                 *known = known.min(LARGEST_K * LARGEST_K);
             }
         }
+        self.usual_k += dt_s / self.averaged_s.clamp(dt_s, USUAL_S) * (self.seen_k() - self.usual_k);
         self.first *= (-dt_s / FIRST_S).exp();
         self.lately = self.unlike().max(self.lately * (-dt_s / LATELY_S).exp());
         self.long += -(-dt_s / LONG_S).exp_m1() * (self.unlike() - self.long);
@@ -214,6 +221,11 @@ impl SceneStrength {
     /// The size of what is seen of scenes, K.
     pub fn seen_k(&self) -> f64 {
         self.seen[0].sqrt()
+    }
+
+    /// How much stronger than usual they are, K.
+    pub fn new_k(&self) -> f64 {
+        (self.seen_k() - NEW * self.usual_k).max(0.0)
     }
 
     /// What sensor `i` has lately shown beyond its prediction, K.

@@ -52,10 +52,11 @@ impl Misfit {
         (self.squared / 2.0).max(1.0).sqrt()
     }
 
-    /// Whether to begin anew, at this contrast, with a gyro or without: no scene can be so far off.
-    pub fn is_lost(self, contrast_k: f64, gyro: bool) -> bool {
-        let limit = APART.0.max(APART.1 / contrast_k.abs().max(1.0));
-        self.others > if gyro { GYRO_WRONG } else { LOST }
+    /// Whether to begin anew, at this contrast: no scene can be so far off. With a gyro, which is in doubt then, what
+    /// scenes may hide, rad, is none of its.
+    pub fn is_lost(self, contrast_k: f64, hidden: Option<f64>) -> bool {
+        let limit = APART.0.max(APART.1 / contrast_k.abs().max(1.0)) + hidden.unwrap_or(0.0);
+        self.others > if hidden.is_some() { GYRO_WRONG } else { LOST }
             || self.apart[0].hypot(self.apart[1]) > limit
             || self.apart_from_even[0].hypot(self.apart_from_even[1]) > WARM * limit
     }
@@ -151,6 +152,7 @@ impl FieldEstimator {
             scenes().map(|(i, a)| a * scenes().map(|(j, b)| b * state.p[i][j]).sum::<f64>()).sum()
         };
         self.noise.update(self.telling(readings, &innovations, &directions), directions.count(), dt_s);
+        self.change.update(&innovations, &directions, (self.noise.variance(), dt_s));
         self.scene.update((&innovations, &scenes), &directions, variance_of, (self.noise.variance(), dt_s));
     }
 

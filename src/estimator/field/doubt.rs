@@ -55,6 +55,17 @@ impl FieldEstimator {
         }
     }
 
+    /// The walk of how the horizon leans while the scene is seen to be unlike, as far as slow references tell of it, rad for
+    /// a second: a scene that has become stronger makes it lean by as much as it may hide.
+    pub(super) fn lean_walk(&self) -> f64 {
+        if !self.told {
+            return 0.0;
+        }
+        let t = &self.tuning;
+        let new = (self.hidden(self.scene.new_k()) - t.new_lean.0).max(0.0);
+        self.scene.surely_unlike() * t.unlike_lean_walk + t.new_lean.1 * new
+    }
+
     /// Where nothing tells of the attitude but the thermopiles it is they that are to be believed: a horizon that might
     /// lean anyhow would leave it to the gyro alone, which drifts.
     fn forget_lean(&mut self, dt_s: f64) {

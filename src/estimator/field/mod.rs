@@ -8,7 +8,7 @@
 //! - `model`: what a sensor should show; `start`, `begin`: where the filter begins;
 //! - `hear`: which readings are heard; `witness`: which sensor is not;
 //! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves; `noise`: how noisy they are;
-//! - `doubt`: a scene that is found not to be alike all around; `lean`: how far its horizon is expected to lean;
+//! - `change`: a scene that comes nearer; `doubt`: one that is found not to be alike all around; `lean`: how far its horizon is expected to lean;
 //! - `calibration`: sensors that are off; `expected`: states of which more is expected later;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
 //! - `unheard`: what a sensor left out might have been right about;
@@ -18,6 +18,7 @@ mod adapt;
 mod aid;
 mod begin;
 mod calibration;
+mod change;
 mod correct;
 mod doubt;
 mod expected;
@@ -53,6 +54,7 @@ use crate::time::Time;
 use adapt::SceneStrength;
 use aid::Aid;
 use begin::paces;
+use change::SceneChange;
 use correct::Misfit;
 use gyro::Gyro;
 use model::Model;
@@ -105,6 +107,7 @@ pub struct FieldEstimator {
     gyro_errors: [Whiteness; 2],
     contrast: Whiteness,
     scene: SceneStrength,
+    change: SceneChange,
     noise: NoiseLevel,
     misfit: Misfit,
     /// The scene has been found to be unlike a sky that is alike all around.
@@ -156,6 +159,7 @@ impl FieldEstimator {
             gyro_errors,
             contrast,
             scene,
+            change: SceneChange::default(),
             noise: NoiseLevel::new(tuning.noise_k),
             misfit: Misfit::default(),
             unlike: false,
@@ -218,9 +222,14 @@ impl FieldEstimator {
             contrast_k: Some(contrast_k),
             seen_k: Some([0.0, 0.0, self.seen_k]),
             sensors: std::array::from_fn(|i| self.hearing(i)),
-            hidden: Some(2.0 * t.hidden.0 * self.scene.seen_k() / (PAIR_SLOPE * contrast_k.abs().max(1.0))),
+            hidden: Some(self.hidden(self.scene.seen_k())),
             hint: self.hint(),
         }
+    }
+
+    /// The tilt that scenes of so many K may hide, rad.
+    fn hidden(&self, scene_k: f64) -> f64 {
+        2.0 * self.tuning.hidden.0 * scene_k / (PAIR_SLOPE * self.state.x[CONTRAST].abs().max(1.0))
     }
 
     /// The contrast that this frame alone shows, K; below 0 where ground and sky look exchanged.
@@ -270,7 +279,8 @@ impl Estimator for FieldEstimator {
             self.set_rates();
         }
         // What one sensor does must not be taken for the attitude, or for the gyro.
-        let against = self.misfit.is_lost(self.state.x[CONTRAST], self.gyro.in_use()) && !self.undecided(now);
+        let hidden = self.gyro.in_use().then(|| self.hidden(self.scene.seen_k()));
+        let against = self.misfit.is_lost(self.state.x[CONTRAST], hidden) && !self.undecided(now);
         self.lost_s = if against { self.lost_s + dt_s.clamp(0.0, 1.0) } else { 0.0 };
         let lost = self.lost_s > LOST_S;
         if lost {
@@ -296,7 +306,8 @@ impl Estimator for FieldEstimator {
                 gyro: [0, 1, 1].map(|i: usize| self.gyro_errors[i].factor()),
                 contrast: self.contrast.factor(),
                 scene_k2: self.scene.variance(),
-                leaning: if self.told { self.scene.surely_unlike() } else { 0.0 },
+                scene_change_k2_s: if self.gyro.in_use() { self.change.variance_s() } else { 0.0 },
+                lean_walk: self.lean_walk(),
                 long_unlike: self.scene.long_unlike(),
             };
             predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);

@@ -20,8 +20,10 @@ pub struct Pace {
     pub contrast: f64,
     /// The variance of the sensors' own scenes, K².
     pub scene_k2: f64,
-    /// How surely the horizon leans otherwise from place to place, as far as slow references tell, 0..1.
-    pub leaning: f64,
+    /// What that grows by while they change, K²/s.
+    pub scene_change_k2_s: f64,
+    /// What the horizon's lean walks more than usual, rad for a second.
+    pub lean_walk: f64,
     /// How surely the scene has not been alike all around for long, 0..1.
     pub long_unlike: f64,
 }
@@ -135,14 +137,15 @@ fn add_noise(
         add(OFFSET + i, t.offset.1.powi(2) * dt_s);
     }
     if turns.is_some() {
-        let walk = t.lean.1 + pace.leaning * t.unlike_lean_walk + t.lean_share * found;
+        let walk = t.lean.1 + pace.lean_walk + t.lean_share * found;
         (LEAN..LEAN + 2).for_each(|i| add(i, walk * walk * dt_s));
         state.lean2 += walk * walk * dt_s;
         let walk = t.error.2;
         errors.for_each(|i| add(i, walk * walk * dt_s));
         state.error2 += walk * walk * dt_s;
     }
-    (SEEN + sensors..SEEN + 2 * sensors).for_each(|i| add(i, pace.scene_k2 * lost.1));
+    let scene_k2 = pace.scene_k2 * lost.1 + pace.scene_change_k2_s * dt_s;
+    (SEEN + sensors..SEEN + 2 * sensors).for_each(|i| add(i, scene_k2));
 }
 
 /// What the sensors show follows what they see, behind by their lag.

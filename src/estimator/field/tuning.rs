@@ -38,6 +38,8 @@ pub struct Tuning {
     pub lean_share: f64,
     /// Its walk while the scene is seen to be unlike a sky alike all around.
     pub unlike_lean_walk: f64,
+    /// What scenes stronger than usual may hide: so much is nothing, rad; of more, the walk for each rad.
+    pub new_lean: (f64, f64),
     /// With a gyro, how far it is thought to lean once it does.
     pub unlike_lean: f64,
     /// What else the attitude may be wrong by once the scene is found to be unlike.
@@ -90,6 +92,7 @@ impl Default for Tuning {
             lean: (deg(0.05), deg(0.0022)),
             lean_share: 0.006,
             unlike_lean_walk: deg(0.1),
+            new_lean: (deg(0.5), 0.5),
             unlike_lean: deg(2.5),
             unlike_turn: deg(0.3),
             unlike_side_k: (1.35, 0.25),
