@@ -11,7 +11,7 @@ const NOW_S: f64 = 0.3;
 const LASTS_S: (f64, f64) = (1.0, 1.0);
 /// What may be left of what they differ by and of the distance from their own temperatures; what must have been
 /// there, K.
-const LEFT: f64 = 0.2;
+const LEFT: f64 = 0.15;
 const THERE_K: f64 = 5.0;
 /// Below this share of a low contrast it is fog.
 const FOG: f64 = 0.5;
