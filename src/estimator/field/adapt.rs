@@ -223,6 +223,12 @@ impl SceneStrength {
         self.seen[0].sqrt()
     }
 
+    /// What was new was no scene but one sensor, `i`, that is not heard any more.
+    pub fn blame(&mut self, i: usize) {
+        self.left[i] = 0.0;
+        self.seen = self.seen.map(|seen| seen.min(self.usual_k * self.usual_k));
+    }
+
     /// How much stronger than usual they are, K.
     pub fn new_k(&self) -> f64 {
         (self.seen_k() - NEW * self.usual_k).max(0.0)

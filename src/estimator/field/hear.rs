@@ -78,7 +78,12 @@ impl FieldEstimator {
         if self.blind {
             self.witnesses.restart();
         } else if self.model.is_absolute() {
+            let before: [Standing; MAX_SENSORS] = std::array::from_fn(|i| self.witnesses.standing(i));
             self.witnesses.update(&self.model, &self.tuning, &known, readings, dt_s);
+            let newly = |i: &usize| before[*i] != Standing::LeftOut && self.witnesses.blames_only(*i);
+            if let Some(i) = (0..self.model.sensors()).find(newly) {
+                self.scene.blame(i);
+            }
         }
         for (i, reading) in readings.iter_mut().enumerate() {
             *reading = reading.filter(|_| self.witnesses.standing(i) == Standing::Heard);

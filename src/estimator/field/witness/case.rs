@@ -22,6 +22,8 @@ const SECOND: f64 = 3.0;
 /// Without it all others must fit together: their squared surprises' mean over some time, s.
 const FIT: f64 = 1.7;
 const FIT_S: f64 = 0.5;
+/// What is left where nothing else is amiss.
+const PLAIN: f64 = 1.0;
 /// Doubt of small matters ends after this time, s.
 const DOUBT_S: f64 = 1.5;
 
@@ -105,6 +107,11 @@ impl Case {
     /// Whether it is far enough off, and the others agree, for it to be left out.
     pub fn is_guilty(&self) -> bool {
         self.guilty && self.others_fit < FIT
+    }
+
+    /// Whether all others fit together without it as well as if there were nothing but noise.
+    pub fn is_all_there_is(&self) -> bool {
+        self.others_fit < PLAIN
     }
 
     /// Whether it has been doubted for long, for what is too small to leave it out.

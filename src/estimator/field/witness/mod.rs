@@ -110,6 +110,11 @@ impl Witnesses {
         self.cases[i].strays()
     }
 
+    /// Whether nothing is amiss but sensor `i`, which is left out.
+    pub fn blames_only(&self, i: usize) -> bool {
+        self.cases[i].standing == Standing::LeftOut && self.cases[i].is_all_there_is()
+    }
+
     /// Begins anew with the next step; what was left out stays so.
     pub fn restart(&mut self) {
         self.all = None;
