@@ -22,8 +22,8 @@ const SECOND: f64 = 3.0;
 /// Without it all others must fit together: their squared surprises' mean over some time, s.
 const FIT: f64 = 1.7;
 const FIT_S: f64 = 0.5;
-/// What is left where nothing else is amiss.
-const PLAIN: f64 = 1.0;
+/// What is left of that where nothing else is amiss: readings are averaged, and noise leaves less than 1.
+const PLAIN: f64 = 0.3;
 /// Doubt of small matters ends after this time, s.
 const DOUBT_S: f64 = 1.5;
 
