@@ -8,7 +8,8 @@
 //! - `model`: what a sensor should show; `start`, `begin`: where the filter begins;
 //! - `hear`: which readings are heard; `witness`: which sensor is not;
 //! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves; `noise`: how noisy they are;
-//! - `change`: a scene that comes nearer; `doubt`: one that is found not to be alike all around; `lean`: how far its horizon is expected to lean;
+//! - `change`: a scene that comes nearer; `doubt`: one that is found not to be alike all around; `lean`: how far its
+//!   horizon is expected to lean;
 //! - `calibration`: sensors that are off; `expected`: states of which more is expected later;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
 //! - `unheard`: what a sensor left out might have been right about;

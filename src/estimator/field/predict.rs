@@ -28,6 +28,20 @@ pub struct Pace {
     pub long_unlike: f64,
 }
 
+#[cfg(test)]
+impl Pace {
+    /// As the tuning says, under an even sky.
+    pub const USUAL: Self = Self {
+        rate: [1.0; 3],
+        gyro: [1.0; 3],
+        contrast: 1.0,
+        scene_k2: 0.01,
+        scene_change_k2_s: 0.0,
+        lean_walk: 0.0,
+        long_unlike: 0.0,
+    };
+}
+
 /// Moves `state` on by `dt_s` > 0 with the body rates of a gyro (rad/s on nose, left, up), or by the
 /// rates that are part of the state.
 pub fn predict(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, gyro: Option<Vector>, pace: &Pace) {

@@ -269,15 +269,7 @@ fn clouds_that_have_been_there_for_long_are_forgotten_sooner_in_a_turn() {
         let (mut e, _) = flown();
         let own = e.state.scene(2);
         e.state.x[own] = 1.0;
-        let pace = Pace {
-            rate: [1.0; 3],
-            gyro: [1.0; 3],
-            contrast: 1.0,
-            scene_k2: 0.01,
-            scene_change_k2_s: 0.0,
-            lean_walk: 0.0,
-            long_unlike,
-        };
+        let pace = Pace { long_unlike, ..Pace::USUAL };
         e.state.x[RATE] = 1.0;
         predict(&mut e.state, &e.model, &e.tuning, 0.5, None, &pace);
         e.state.x[own]

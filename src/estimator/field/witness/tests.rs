@@ -10,15 +10,7 @@ use std::f64::consts::TAU;
 
 const SKY: Scene = Scene { ground_c: 15.0, contrast_k: 35.0, ln_depth: -1.2, spread: 0.0, lean: [0.0; 2] };
 const NOISE_K: f64 = 0.08;
-const PACE: Pace = Pace {
-    rate: [1.0; 3],
-    gyro: [1.0; 3],
-    contrast: 1.0,
-    scene_k2: 0.0225,
-    scene_change_k2_s: 0.0,
-    lean_walk: 0.0,
-    long_unlike: 0.0,
-};
+const PACE: Pace = Pace { scene_k2: 0.0225, ..Pace::USUAL };
 
 type Readings = [Option<f64>; MAX_SENSORS];
 
