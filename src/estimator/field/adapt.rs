@@ -47,6 +47,8 @@ pub struct Directions {
     gain: [[f64; 2]; 2],
     /// In how many dimensions the shape, as uncertain as it is, explains what is seen: 0..2.
     unsure: f64,
+    /// The turns, less what another contrast or ground would explain.
+    weatherless: [Pattern; 2],
     /// How many sensors gave a reading.
     count: usize,
 }
@@ -63,16 +65,26 @@ impl Directions {
         let pitch = unit(pitch);
         let contrast = unit(without(pattern(|s| s.by_contrast), &[roll, pitch]));
         let ground = unit(without(pattern(|s| s.by_ground), &[roll, pitch, contrast]));
+        let weather = unit(pattern(|s| s.by_contrast));
+        let weather = [weather, unit(without(pattern(|s| s.by_ground), &[weather]))];
+        let rolled = unit(without(roll, &weather));
+        let weatherless = [rolled, unit(without(without(pitch, &weather), &[rolled]))];
         let known = [roll, pitch, contrast, ground];
         let shape = [pattern(|s| s.by_depth), pattern(|s| s.by_spread)].map(|p| without(p, &known));
         let (gain, unsure) = gain(&shape, covariance);
         let count = seen.iter().flatten().count();
-        Self { turn: [roll, pitch], slope, contrast, ground, shape, gain, unsure, count }
+        Self { turn: [roll, pitch], slope, contrast, ground, shape, gain, unsure, weatherless, count }
     }
 
     /// The turn that a pattern looks like, rad; none where the sensors see no turn.
     pub fn turned(&self, pattern: &Pattern) -> [f64; 2] {
         std::array::from_fn(|k| if self.slope[k] > 1.0 { dot(pattern, &self.turn[k]) / self.slope[k] } else { 0.0 })
+    }
+
+    /// The mean square of what of a pattern is a turn and no other contrast or ground, over its variance.
+    pub fn weatherless(&self, pattern: &Pattern, variance_of: impl Fn(&Pattern) -> f64) -> f64 {
+        let square = |turn: &Pattern| dot(pattern, turn).powi(2) / variance_of(turn);
+        self.weatherless.iter().map(square).sum::<f64>() / 2.0
     }
 
     /// How many sensors gave a reading.
@@ -264,4 +276,25 @@ fn without(mut a: Pattern, known: &[Pattern]) -> Pattern {
         a.iter_mut().zip(k).for_each(|(a, k)| *a -= share * k);
     }
     a
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_contrast_or_ground_is_no_turn() {
+        // Banked, so that another contrast alone looks like a turn: right, left, up, down.
+        let (by_turn, by_contrast) = ([8.0, -30.0, 4.0, -1.0], [-0.1, -0.7, -0.9, 0.0]);
+        let seen: [Option<Seen>; MAX_SENSORS] = std::array::from_fn(|i| {
+            let by_turn = [*by_turn.get(i)?, 0.0, 0.0];
+            Some(Seen { by_turn, by_ground: 1.0, by_contrast: by_contrast[i], ..Seen::default() })
+        });
+        let directions = Directions::new(&seen, [[0.0; 2]; 2]);
+        let pattern = |f: fn(&Seen) -> f64| std::array::from_fn(|i| seen[i].as_ref().map_or(0.0, f));
+        let square = |p: Pattern| directions.weatherless(&p, |_| 1.0);
+        assert!(dot(&pattern(|s| s.by_contrast), &directions.turn[0]).abs() > 0.3);
+        assert!(square(pattern(|s| s.by_contrast)) < 1e-9 && square(pattern(|s| s.by_ground)) < 1e-9);
+        assert!(square(pattern(|s| s.by_turn[0])) > 10.0);
+    }
 }

@@ -34,6 +34,8 @@ pub struct Misfit {
     squared: f64,
     /// The same without the worst of each frame: what one sensor does says nothing against the gyro.
     others: f64,
+    /// The same of what looks like a turn and like no other contrast or ground: weather says nothing against it either.
+    turning: f64,
     /// How far the thermopiles alone put the attitude from the filter's, averaged, rad.
     apart: [f64; 2],
     /// The same of a sky that is alike all around.
@@ -42,7 +44,7 @@ pub struct Misfit {
 
 impl Default for Misfit {
     fn default() -> Self {
-        Self { squared: 1.0, others: 1.0, apart: [0.0; 2], apart_from_even: [0.0; 2] }
+        Self { squared: 1.0, others: 1.0, turning: 1.0, apart: [0.0; 2], apart_from_even: [0.0; 2] }
     }
 }
 
@@ -56,7 +58,8 @@ impl Misfit {
     /// scenes may hide, rad, is none of its.
     pub fn is_lost(self, contrast_k: f64, hidden: Option<f64>) -> bool {
         let limit = APART.0.max(APART.1 / contrast_k.abs().max(1.0)) + hidden.unwrap_or(0.0);
-        self.others > if hidden.is_some() { GYRO_WRONG } else { LOST }
+        let misfit = if hidden.is_some() { self.others.min(self.turning) } else { self.others };
+        misfit > if hidden.is_some() { GYRO_WRONG } else { LOST }
             || self.apart[0].hypot(self.apart[1]) > limit
             || self.apart_from_even[0].hypot(self.apart_from_even[1]) > WARM * limit
     }
@@ -147,6 +150,12 @@ impl FieldEstimator {
         }
         self.contrast.update(dot(&innovations, &directions.contrast), dt_s);
         let state = &self.state;
+        let turning = directions.weatherless(&innovations, |p| {
+            let shown = || (0..self.model.sensors()).map(|i| (SEEN + i, p[i]));
+            let square = |(i, a): (usize, f64)| a * shown().map(|(j, b)| b * state.p[i][j]).sum::<f64>();
+            shown().map(square).sum::<f64>() + self.noise.variance()
+        });
+        self.misfit.turning -= (-dt_s / MISFIT_S).exp_m1() * (turning - self.misfit.turning);
         let variance_of = |p: &Pattern| {
             let scenes = || seen.iter().enumerate().filter_map(|(i, s)| Some((state.scene(i), s.as_ref()?.sky * p[i])));
             scenes().map(|(i, a)| a * scenes().map(|(j, b)| b * state.p[i][j]).sum::<f64>()).sum()
