@@ -58,8 +58,8 @@ impl Misfit {
     /// scenes may hide, rad, is none of its.
     pub fn is_lost(self, contrast_k: f64, hidden: Option<f64>) -> bool {
         let limit = APART.0.max(APART.1 / contrast_k.abs().max(1.0)) + hidden.unwrap_or(0.0);
-        let misfit = if hidden.is_some() { self.others.min(self.turning) } else { self.others };
-        misfit > if hidden.is_some() { GYRO_WRONG } else { LOST }
+        let (misfit, most) = hidden.map_or((self.others, LOST), |_| (self.others.min(self.turning), GYRO_WRONG));
+        misfit > most
             || self.apart[0].hypot(self.apart[1]) > limit
             || self.apart_from_even[0].hypot(self.apart_from_even[1]) > WARM * limit
     }
@@ -151,9 +151,8 @@ impl FieldEstimator {
         self.contrast.update(dot(&innovations, &directions.contrast), dt_s);
         let state = &self.state;
         let turning = directions.weatherless(&innovations, |p| {
-            let shown = || (0..self.model.sensors()).map(|i| (SEEN + i, p[i]));
-            let square = |(i, a): (usize, f64)| a * shown().map(|(j, b)| b * state.p[i][j]).sum::<f64>();
-            shown().map(square).sum::<f64>() + self.noise.variance()
+            let shown: [(usize, f64); MAX_SENSORS] = std::array::from_fn(|i| (SEEN + i, p[i]));
+            state.variance_of(&shown) + self.noise.variance()
         });
         self.misfit.turning -= (-dt_s / MISFIT_S).exp_m1() * (turning - self.misfit.turning);
         let variance_of = |p: &Pattern| {
