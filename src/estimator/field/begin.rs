@@ -3,7 +3,7 @@
 use super::adapt::SceneStrength;
 use super::aid::Aid;
 use super::correct::Misfit;
-use super::start::start;
+use super::start::{Start, start};
 use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPREAD, State, TURN};
 use super::{FieldEstimator, Tuning};
 use crate::estimator::whiteness::Whiteness;
@@ -26,10 +26,13 @@ pub fn paces(t: &Tuning) -> ([Whiteness; 2], [Whiteness; 2], Whiteness, SceneStr
 impl FieldEstimator {
     /// Begins with what one frame says; `false` where that is not enough.
     pub(super) fn begin(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) -> bool {
+        let start = start(&self.model, readings, self.needed().0, &self.tuning);
+        start.inspect(|start| self.begin_with(start, readings, now)).is_some()
+    }
+
+    /// Begins with an attitude and a sky.
+    pub(super) fn begin_with(&mut self, start: &Start, readings: &[Option<f64>; MAX_SENSORS], now: Time) {
         let t = self.tuning;
-        let Some(start) = start(&self.model, readings, self.needed().0, &t) else {
-            return false;
-        };
         self.last = Some((now, now));
         self.aid = Aid::default();
         self.misfit = Misfit::default();
@@ -65,7 +68,6 @@ impl FieldEstimator {
             s.set_variance(s.scene(i), self.scene.variance());
         }
         self.set_rates();
-        true
     }
 
     /// Rates without a gyro, or a gyro's bias: both begin at zero. What only a gyro can tell goes with it.

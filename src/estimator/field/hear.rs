@@ -65,7 +65,7 @@ impl FieldEstimator {
     }
 
     /// Leaves out what the witnesses do not believe.
-    pub(super) fn consult(&mut self, readings: &mut [Option<f64>; MAX_SENSORS], pace: &Pace, dt_s: f64) {
+    pub(super) fn consult(&mut self, readings: &mut [Option<f64>; MAX_SENSORS], pace: &Pace, (now, dt_s): (Time, f64)) {
         let s = &self.state;
         let known = Known {
             axes: s.axes,
@@ -83,6 +83,11 @@ impl FieldEstimator {
             let newly = |i: &usize| before[*i] != Standing::LeftOut && self.witnesses.blames_only(*i);
             if let Some(i) = (0..self.model.sensors()).find(newly) {
                 self.scene.blame(i);
+            }
+            if let Some(start) = self.witnesses.revised() {
+                let heard =
+                    std::array::from_fn(|i| readings[i].filter(|_| self.witnesses.standing(i) == Standing::Heard));
+                self.begin_with(&start, &heard, now);
             }
         }
         for (i, reading) in readings.iter_mut().enumerate() {

@@ -313,7 +313,7 @@ impl Estimator for FieldEstimator {
             };
             predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
             self.turned += dt_s * self.gyro.rates().map_or(0.0, |r| dot(r, self.state.vertical()).abs());
-            self.consult(&mut readings, &pace, dt_s);
+            self.consult(&mut readings, &pace, (now, dt_s));
             self.leave_out(&mut readings, dt_s);
             self.learn(&readings, dt_s);
             self.doubt(now, dt_s);

@@ -2,7 +2,8 @@
 //!
 //! A wall beside, a bank of cloud: to five sensors a sixth that sees it looks like a bad one, and leaving it out makes
 //! the attitude worse. Only when what it should show has changed is it known whether it follows (it sees something) or
-//! not (a film), unless it is warmer than any ground. Until then its residual is in doubt as a tilt.
+//! not (a film), unless it is warmer than any ground. Until then its residual is in doubt as a tilt; and so is how far the
+//! attitude would be elsewhere if the one on the other side were to blame.
 
 use super::FieldEstimator;
 use super::state::{CONTRAST, GROUND};
@@ -13,6 +14,8 @@ use crate::estimator::{PAIR_SLOPE, Standing};
 const SEES: (f64, f64) = (0.5, 0.85);
 /// Something so much warmer than the ground may be a slope in the sun; what is so much warmer is none, K.
 const WARMER_K: (f64, f64) = (3.0, 6.0);
+/// Beside a gyro it is off by no more, rad (3°): what comes suddenly is no turn if it says so.
+const MOST: f64 = 0.052;
 
 impl FieldEstimator {
     /// The standard deviations of roll and pitch, rad, by what the sensors left out show.
@@ -32,6 +35,11 @@ impl FieldEstimator {
             squared.roll += (left / PAIR_SLOPE).powi(2) + (up * attitude.roll.sin()).powi(2);
             squared.pitch += (nose / PAIR_SLOPE).powi(2) + (up * attitude.pitch.sin()).powi(2);
         }
-        Attitude { roll: squared.roll.sqrt(), pitch: squared.pitch.sqrt() }
+        let most = if self.gyro.in_use() { MOST } else { f64::INFINITY };
+        let rival = self.witnesses.spread();
+        Attitude {
+            roll: squared.roll.sqrt().max(rival.roll).min(most),
+            pitch: squared.pitch.sqrt().max(rival.pitch).min(most),
+        }
     }
 }

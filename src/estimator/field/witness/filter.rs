@@ -97,12 +97,22 @@ impl Witness {
         other
     }
 
+    /// What it takes for level axes, and for the sky, which is else as `sky` is.
+    pub fn told(&self, sky: &Scene) -> ([Vector; 3], Scene) {
+        (self.axes, Scene { ground_c: self.x[GROUND], contrast_k: self.x[CONTRAST], ..*sky })
+    }
+
     /// Makes state `i` zero, independent of all others.
     fn forget(&mut self, i: usize, sigma: f64) {
         self.x[i] = 0.0;
         self.p[i] = [0.0; MAX];
         self.p.iter_mut().for_each(|row| row[i] = 0.0);
         self.p[i][i] = sigma * sigma;
+    }
+
+    /// Which way is up.
+    pub fn up(&self) -> Vector {
+        self.axes[2]
     }
 
     /// Whether every number is one.

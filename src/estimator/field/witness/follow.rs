@@ -13,26 +13,32 @@ const GROWN: f64 = 0.6;
 /// Weights, means, and the second moments of what it should show and shows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Follow {
-    sums: [f64; 5],
+    sums: [f64; 6],
 }
 
 impl Follow {
     /// Takes in what it should show and shows, K, `dt_s` after the last.
     pub fn update(&mut self, expected: f64, shown: f64, dt_s: f64) {
         let keep = (-dt_s / OVER_S).exp();
-        let sample = [1.0, expected, shown, expected * expected, expected * shown];
+        let sample = [1.0, expected, shown, expected * expected, expected * shown, shown * shown];
         self.sums.iter_mut().zip(sample).for_each(|(s, x)| *s = keep * *s + (1.0 - keep) * x);
     }
 
     /// How much it does not follow of what it should show, where that has changed: 0 for all of it, 1 for nothing.
     pub fn lost(&self) -> Option<f64> {
-        let [w, e, z, ee, ez] = self.sums;
+        let [w, e, z, ee, ez, _] = self.sums;
         if w < 0.2 {
             return None;
         }
         let [e, z, ee, ez] = [e / w, z / w, ee / w, ez / w];
         let changes = ee - e * e;
         (changes > CHANGES_K * CHANGES_K).then(|| 1.0 - (ez - e * z) / changes)
+    }
+
+    /// How much what it shows changes, K rms.
+    pub fn moves_k(&self) -> Option<f64> {
+        let [w, _, z, _, _, zz] = self.sums;
+        (w > 0.2).then(|| (zz / w - (z / w).powi(2)).max(0.0).sqrt())
     }
 
     /// How surely it goes another way than it should, as no film does: 0..1.

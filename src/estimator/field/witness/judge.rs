@@ -1,7 +1,9 @@
 //! From surprises to standings.
 
+use super::super::model::Scene;
 use super::case::{Case, many};
-use super::{Model, Witnesses};
+use super::other::opposed;
+use super::{Model, Rival, Start, Witnesses};
 use crate::estimator::Standing;
 
 /// From this sum of surprises on a sensor is left out, if it is so much ahead of all others,
@@ -9,6 +11,14 @@ const CONVICT: f64 = 20.0;
 const AHEAD: f64 = 5.0;
 /// in so many steps.
 const STEPS: u8 = 3;
+/// So much less the verdict that has been found right surprises.
+const SURE: f64 = 30.0;
+/// A sensor below this sine above the horizon sees more of it than of sky or ground.
+const LEVEL: f64 = 0.7;
+/// A film makes two that look apart suspect, and while neither is heard nothing tells of the attitude: from this sum on
+/// one of them is heard, if it is less suspect by so much.
+const SURELY: f64 = 40.0;
+const NEARLY: f64 = 2.0;
 /// As many sensors can be doubted at once; more are no sensors' matter.
 const DOUBTED: usize = 2;
 
@@ -19,6 +29,7 @@ impl Witnesses {
         let n = model.sensors();
         if let Some(i) = self.cases[..n].iter().position(Case::is_acquitted) {
             self.cases[i] = Case::default();
+            self.rival = None;
             if let Some(all) = self.all.take() {
                 self.swear(model, all.hearing(i, own_k));
             }
@@ -35,6 +46,8 @@ impl Witnesses {
         let plausible = |c: &Case| enough && c.standing != Standing::LeftOut && c.surprise > most - AHEAD;
         let cases = &mut self.cases[..n];
         let count = cases.iter().filter(|c| plausible(c)).count();
+        let apart = level_pairs(model).any(|(i, j)| plausible(&cases[i]) && plausible(&cases[j]));
+        let nearly = if apart && most > SURELY { NEARLY } else { AHEAD };
         let mut convicted = None;
         for (i, case) in cases.iter_mut().enumerate() {
             let plausible = plausible(case);
@@ -44,15 +57,45 @@ impl Witnesses {
                 convicted = Some(i);
             }
             if case.standing != Standing::LeftOut {
-                let doubted = plausible && count <= DOUBTED;
+                let doubted = plausible && count <= DOUBTED && case.surprise > most - nearly;
                 case.standing = if doubted { Standing::Doubted } else { Standing::Heard };
             }
         }
         if let Some(k) = convicted {
             self.cases[k].standing = Standing::LeftOut;
             let all = self.without[k].clone();
+            self.rival = self.rival_to(k, model);
             self.swear(model, all);
         }
+    }
+
+    /// The other verdict beside that on sensor `k`.
+    pub(super) fn rival_to(&self, k: usize, model: &Model) -> Option<Rival> {
+        let (i, j) = level_pairs(model).find(|(i, j)| *i == k || *j == k)?;
+        let other = if i == k { j } else { i };
+        let behind = self.cases[k].surprise - self.cases[other].surprise;
+        let heard = self.cases[other].standing != Standing::LeftOut;
+        heard.then(|| Rival::new((other, k), self.without[other].clone(), behind))
+    }
+
+    /// Exchanges the verdicts if the other one is found to be right; whether it was.
+    pub(super) fn reconsider(&mut self, model: &Model, sky: &Scene) -> bool {
+        let Some(rival) = &self.rival else { return false };
+        let (k, culprit) = (rival.left_out, rival.culprit);
+        if rival.is_right() {
+            let (axes, scene) = rival.witness.told(sky);
+            self.revised = Some(Start { axes, scene, misfit_k2: 0.0 });
+            let all = rival.witness.clone();
+            self.cases[k] = Case::default();
+            self.cases[culprit].standing = Standing::LeftOut;
+            self.rival = self.all.take().map(|all| Rival::new((k, culprit), all, SURE));
+            self.swear(model, all);
+            return true;
+        }
+        if rival.is_wrong() {
+            self.rival = None;
+        }
+        false
     }
 
     /// Whether a sensor surprises, or few do, and it is not decided which is to be left out.
@@ -66,4 +109,9 @@ impl Witnesses {
     fn elsewhere(&self) -> f64 {
         self.others.iter().map(|o| o.surprise).fold(f64::NEG_INFINITY, f64::max)
     }
+}
+
+/// The pairs that look apart and along the horizon: what is too warm for one of them is so for the other.
+fn level_pairs(model: &Model) -> impl Iterator<Item = (usize, usize)> {
+    opposed(model).filter(|(i, _)| model.direction(*i)[2].abs() < LEVEL)
 }

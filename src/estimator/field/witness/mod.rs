@@ -6,23 +6,27 @@
 //! what it should show.
 //!
 //! - `filter`: a witness; `case`: what speaks against one sensor; `follow`: whether it follows what it should show; `other`: what else there is to blame;
-//! - `judge`: from surprises to standings.
+//! - `judge`: from surprises to standings; `rival`: whether it was the sensor on the other side.
 
 mod case;
 mod filter;
 mod follow;
 mod judge;
 mod other;
+mod rival;
 
 use super::model::{Model, Scene};
 use super::predict::Pace;
+use super::start::Start;
 use super::state::MAX_SENSORS;
 use super::tuning::Tuning;
+use crate::attitude::Attitude;
 use crate::estimator::Standing;
 use crate::estimator::vector::{Vector, add_scaled};
 use case::Case;
 use filter::{Step, Witness};
 use other::Other;
+use rival::Rival;
 
 /// Readings are averaged over this time before witnesses hear them, s.
 const STEP_S: f64 = 0.05;
@@ -75,6 +79,10 @@ pub struct Witnesses {
     /// Those by whom no sensor is to blame.
     others: Vec<Other>,
     cases: [Case; MAX_SENSORS],
+    /// The other verdict beside the last.
+    rival: Option<Rival>,
+    /// What is to be believed from now on, after the other verdict has been found right.
+    revised: Option<Start>,
     window: Window,
     /// The gyro's rates as the sensors show them.
     shown: Option<Vector>,
@@ -115,9 +123,21 @@ impl Witnesses {
         self.cases[i].standing == Standing::LeftOut && self.cases[i].is_all_there_is()
     }
 
+    /// What attitude and sky are, once another sensor than before is found to be to blame.
+    pub fn revised(&mut self) -> Option<Start> {
+        self.revised.take()
+    }
+
+    /// How far roll and pitch may be off as another sensor may be to blame than the one left out, rad.
+    pub fn spread(&self) -> Attitude {
+        let (Some(all), Some(rival)) = (&self.all, &self.rival) else { return Attitude::default() };
+        rival.spread(all.up())
+    }
+
     /// Begins anew with the next step; what was left out stays so.
     pub fn restart(&mut self) {
         self.all = None;
+        self.rival = None;
         self.window = Window::default();
         self.shown = None;
     }
@@ -159,7 +179,8 @@ impl Witnesses {
         let own_k = known.pace.scene_k2.sqrt().max(SCENE.0).max(SCENE.1 * known.sky.contrast_k.abs());
         let [roll, pitch, yaw] = known.pace.rate;
         let now = [known.sky.ln_depth, known.sky.spread, own_k, roll, pitch, yaw];
-        let sound = self.all.iter().chain(&self.without).all(Witness::is_sound);
+        let rival = self.rival.as_ref().map(|r| &r.witness);
+        let sound = self.all.iter().chain(&self.without).chain(rival).all(Witness::is_sound);
         if self.all.is_none() || !sound || self.without.len() != n {
             let mut all = Witness::new(known.axes, &known.sky, n, own_k);
             for (i, case) in self.cases.iter_mut().enumerate().take(n) {
@@ -169,7 +190,7 @@ impl Witnesses {
                     *case = Case::default();
                 }
             }
-            self.shape = now;
+            (self.shape, self.rival) = (now, None);
             self.swear(model, all);
             return;
         }
@@ -212,6 +233,12 @@ impl Witnesses {
                 let testimony = witness.hear(model, &step, &readings);
                 case.surprise = (case.surprise + testimony.likelihood - whole.likelihood).clamp(BOUNDS.0, BOUNDS.1);
                 case.hear(i, readings[i], &testimony, (window.dt_s, contrast, second));
+            }
+        }
+        if let Some(rival) = &mut self.rival {
+            rival.hear(model, &step, &readings, whole.expected[rival.left_out]);
+            if self.reconsider(model, &step.sky) {
+                return;
             }
         }
         let enough = heard >= if gyro.is_some() { FEWEST } else { FEWEST + 1 };

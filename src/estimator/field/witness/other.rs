@@ -64,7 +64,7 @@ impl Other {
 }
 
 /// The pairs of sensors that look apart.
-fn opposed(model: &Model) -> impl Iterator<Item = (usize, usize)> {
+pub fn opposed(model: &Model) -> impl Iterator<Item = (usize, usize)> {
     let n = model.sensors();
     let all = (0..n).flat_map(move |i| (i + 1..n).map(move |j| (i, j)));
     all.filter(|(i, j)| dot(model.direction(*i), model.direction(*j)) < OPPOSED)

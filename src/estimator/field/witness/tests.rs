@@ -116,6 +116,45 @@ fn one_that_goes_its_own_way_is_left_out_alone_and_told_what_it_should_show() {
     }
 }
 
+/// This sensor is under a film at 24 °C, K above the mean.
+fn under_a_film(i: usize) -> impl Fn(&mut Readings) {
+    move |readings| readings[i] = readings[i].map(|k| 0.92 * 24.0 + 0.08 * k)
+}
+
+#[test]
+fn if_the_one_on_the_other_side_was_left_out_that_shows_and_is_mended() {
+    for (wet, innocent) in [(0, 1), (1, 0), (2, 3), (3, 2)] {
+        let mut court = Court::of(6, false);
+        court.hear(10.0, |_| {});
+        let w = &mut court.witnesses;
+        let all = w.without[innocent].clone();
+        w.cases[innocent].standing = Standing::LeftOut;
+        w.rival = w.rival_to(innocent, &court.model);
+        w.swear(&court.model, all);
+        court.hear(1.0, under_a_film(wet));
+        let (spread, up) = (court.witnesses.spread(), axes(f64::from(court.scan) * 0.02)[2]);
+        let believed = Attitude::from_vertical(court.witnesses.all.as_ref().unwrap().up());
+        let truth = Attitude::from_vertical(up);
+        let off = f64::hypot(believed.roll - truth.roll, believed.pitch - truth.pitch);
+        assert!(off < 2.0 * f64::hypot(spread.roll, spread.pitch) + 0.1, "{wet}: {off} beside {spread:?}");
+        court.hear(9.0, under_a_film(wet));
+        let left_out = (0..6).filter(|i| court.witnesses.standing(*i) == Standing::LeftOut);
+        assert_eq!(left_out.collect::<Vec<_>>(), [wet]);
+        assert!(court.witnesses.revised().is_some() && court.witnesses.revised().is_none());
+    }
+}
+
+#[test]
+fn a_verdict_that_was_right_stands_and_is_soon_undoubted() {
+    for (wet, gyro) in [(0, false), (1, true), (2, false), (3, true)] {
+        let mut court = Court::of(6, gyro);
+        court.hear(10.0, |_| {});
+        assert_eq!(court.hear(30.0, under_a_film(wet)), [wet]);
+        assert!(court.witnesses.revised().is_none() && court.witnesses.rival.is_none());
+        assert_eq!(court.witnesses.spread(), Attitude::default());
+    }
+}
+
 #[test]
 fn too_few_witnesses_convict_nobody() {
     for (count, gyro) in [(3, true), (4, true), (4, false), (5, false)] {
