@@ -8,7 +8,7 @@ use crate::attitude::Attitude;
 use crate::estimator::vector::Vector;
 
 /// The logarithm of the odds over how much less a verdict surprises: readings are not independent.
-const ODDS: f64 = 0.5;
+const ODDS: f64 = 0.25;
 /// By so long after one is left out a film has grown, s.
 const GROWN_S: f64 = 2.5;
 /// One that loses so little of what it should show is under no film; one that loses so much is,
@@ -68,7 +68,9 @@ impl Rival {
 
     /// How far roll and pitch may be off by it, rad, where `up` is taken to be up.
     pub fn spread(&self, up: Vector) -> Attitude {
-        let share = 1.0 / (1.0 + (ODDS * self.behind).exp());
+        let [culprit, left_out] = &self.follow;
+        let odds = if is_still(culprit, left_out, STILL) { 1.0 } else { (-ODDS * self.behind).exp() };
+        let share = odds / (1.0 + odds);
         let (own, other) = (Attitude::from_vertical(self.witness.up()), Attitude::from_vertical(up));
         let wrap = |a: f64| a.sin().atan2(a.cos());
         let part = |a: f64| share.sqrt() * wrap(a).abs();
