@@ -15,8 +15,8 @@ const STEPS: u8 = 3;
 const SURE: f64 = 30.0;
 /// A sensor below this sine above the horizon sees more of it than of sky or ground.
 const LEVEL: f64 = 0.7;
-/// A film makes two that look apart suspect, and while neither is heard nothing tells of the attitude: from this sum on
-/// one of them is heard, if it is less suspect by so much.
+/// A film makes two that look apart suspect, and while neither is heard nothing tells of the attitude but a gyro: without
+/// one, from this sum on, one of them is heard if it is less suspect by so much.
 const SURELY: f64 = 40.0;
 const NEARLY: f64 = 2.0;
 /// As many sensors can be doubted at once; more are no sensors' matter.
@@ -47,7 +47,7 @@ impl Witnesses {
         let cases = &mut self.cases[..n];
         let count = cases.iter().filter(|c| plausible(c)).count();
         let apart = level_pairs(model).any(|(i, j)| plausible(&cases[i]) && plausible(&cases[j]));
-        let nearly = if apart && most > SURELY { NEARLY } else { AHEAD };
+        let nearly = if apart && most > SURELY && self.shown.is_none() { NEARLY } else { AHEAD };
         let mut convicted = None;
         for (i, case) in cases.iter_mut().enumerate() {
             let plausible = plausible(case);
@@ -69,13 +69,13 @@ impl Witnesses {
         }
     }
 
-    /// The other verdict beside that on sensor `k`.
+    /// The other verdict beside that on sensor `k`; a gyro tells which of the two is to blame.
     pub(super) fn rival_to(&self, k: usize, model: &Model) -> Option<Rival> {
         let (i, j) = level_pairs(model).find(|(i, j)| *i == k || *j == k)?;
         let other = if i == k { j } else { i };
         let behind = self.cases[k].surprise - self.cases[other].surprise;
-        let heard = self.cases[other].standing != Standing::LeftOut;
-        heard.then(|| Rival::new((other, k), self.without[other].clone(), behind))
+        let open = self.cases[other].standing != Standing::LeftOut && self.shown.is_none();
+        open.then(|| Rival::new((other, k), self.without[other].clone(), behind))
     }
 
     /// Exchanges the verdicts if the other one is found to be right; whether it was.
