@@ -94,9 +94,10 @@ impl Case {
         self.follow.strays()
     }
 
-    /// Whether it is left out and may be heard again.
+    /// Whether it is left out and may be heard again. Where the others know little of it, what is far off is near by their
+    /// measure: then it stays out.
     pub fn is_acquitted(&self) -> bool {
-        self.standing == Standing::LeftOut && self.is_back
+        self.standing == Standing::LeftOut && self.is_back && !self.guilty
     }
 
     /// Whether it surprises, and is as far from what the others say.

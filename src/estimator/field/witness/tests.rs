@@ -156,6 +156,24 @@ fn a_verdict_that_was_right_stands_and_is_soon_undoubted() {
 }
 
 #[test]
+fn what_is_far_off_is_not_heard_again_however_little_the_others_know_of_it() {
+    for (off_k, back) in [(0.3, true), (9.0, false), (-9.0, false)] {
+        let mut case = Case::default();
+        case.standing = Standing::LeftOut;
+        for step in 0..200 {
+            let due_k = 2.0 * (0.1 * f64::from(step)).sin();
+            let testimony = filter::Testimony {
+                expected: [due_k; MAX_SENSORS],
+                sigma_k: [4.0; MAX_SENSORS],
+                ..filter::Testimony::default()
+            };
+            case.hear(0, Some(due_k + off_k), &testimony, (0.05, 25.0, false));
+        }
+        assert_eq!(case.is_acquitted(), back, "{off_k} K");
+    }
+}
+
+#[test]
 fn too_few_witnesses_convict_nobody() {
     for (count, gyro) in [(3, true), (4, true), (4, false), (5, false)] {
         let mut court = Court::of(count, gyro);
