@@ -16,7 +16,7 @@ const FOLLOWS: f64 = 0.5;
 const FILM: f64 = 0.85;
 /// where the other moves by so much, K rms, and so many times as much.
 const MOVES: (f64, f64) = (1.0, 3.0);
-/// So much is enough where the one that does not move is the one left out.
+/// So much is enough to end the doubt where the one left out is still, and to be in doubt where the other is.
 const STILL: (f64, f64) = (0.2, 2.5);
 
 /// The verdict on the sensor that looks away from the one left out.
