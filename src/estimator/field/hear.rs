@@ -64,7 +64,7 @@ impl FieldEstimator {
         }
     }
 
-    /// Leaves out what the witnesses do not believe.
+    /// Leaves out what the witnesses do not believe, and begins anew where they have changed their mind.
     pub(super) fn consult(&mut self, readings: &mut [Option<f64>; MAX_SENSORS], pace: &Pace, (now, dt_s): (Time, f64)) {
         let s = &self.state;
         let known = Known {
@@ -84,14 +84,12 @@ impl FieldEstimator {
             if let Some(i) = (0..self.model.sensors()).find(newly) {
                 self.scene.blame(i);
             }
-            if let Some(start) = self.witnesses.revised() {
-                let heard =
-                    std::array::from_fn(|i| readings[i].filter(|_| self.witnesses.standing(i) == Standing::Heard));
-                self.begin_with(&start, &heard, now);
-            }
         }
         for (i, reading) in readings.iter_mut().enumerate() {
             *reading = reading.filter(|_| self.witnesses.standing(i) == Standing::Heard);
+        }
+        if let Some(start) = self.witnesses.revised() {
+            self.begin_with(&start, readings, now);
         }
     }
 

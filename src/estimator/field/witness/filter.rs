@@ -4,6 +4,7 @@
 //! need not be a state here.
 
 use super::super::model::{Model, Scene, Seen};
+use super::super::start::Start;
 use super::super::state::{MAX_SENSORS, gain};
 use crate::estimator::vector::{Vector, cross, dot, product, rotation, unit};
 
@@ -97,9 +98,10 @@ impl Witness {
         other
     }
 
-    /// What it takes for level axes, and for the sky, which is else as `sky` is.
-    pub fn told(&self, sky: &Scene) -> ([Vector; 3], Scene) {
-        (self.axes, Scene { ground_c: self.x[GROUND], contrast_k: self.x[CONTRAST], ..*sky })
+    /// What to begin with by what it knows, under a sky that is else as `sky` is.
+    pub fn told(&self, sky: &Scene) -> Start {
+        let scene = Scene { ground_c: self.x[GROUND], contrast_k: self.x[CONTRAST], ..*sky };
+        Start { axes: self.axes, scene, misfit_k2: 0.0 }
     }
 
     /// Makes state `i` zero, independent of all others.

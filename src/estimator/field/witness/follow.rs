@@ -2,6 +2,8 @@
 
 /// Over this time, s.
 const OVER_S: f64 = 4.0;
+/// It must have been looked at for so much of that.
+const LOOKED: f64 = 0.2;
 /// What it should show must change by so much, K rms, to see what it follows.
 const CHANGES_K: f64 = 0.7;
 
@@ -27,7 +29,7 @@ impl Follow {
     /// How much it does not follow of what it should show, where that has changed: 0 for all of it, 1 for nothing.
     pub fn lost(&self) -> Option<f64> {
         let [w, e, z, ee, ez, _] = self.sums;
-        if w < 0.2 {
+        if w < LOOKED {
             return None;
         }
         let [e, z, ee, ez] = [e / w, z / w, ee / w, ez / w];
@@ -38,7 +40,7 @@ impl Follow {
     /// How much what it shows changes, K rms.
     pub fn moves_k(&self) -> Option<f64> {
         let [w, _, z, _, _, zz] = self.sums;
-        (w > 0.2).then(|| (zz / w - (z / w).powi(2)).max(0.0).sqrt())
+        (w >= LOOKED).then(|| (zz / w - (z / w).powi(2)).max(0.0).sqrt())
     }
 
     /// How surely it goes another way than it should, as no film does: 0..1.

@@ -3,7 +3,7 @@
 use super::super::model::Scene;
 use super::case::{Case, many};
 use super::other::opposed;
-use super::{Model, Rival, Start, Witnesses};
+use super::{Model, Rival, Witnesses};
 use crate::estimator::Standing;
 
 /// From this sum of surprises on a sensor is left out, if it is so much ahead of all others,
@@ -83,8 +83,7 @@ impl Witnesses {
         let Some(rival) = &self.rival else { return false };
         let (k, culprit) = (rival.left_out, rival.culprit);
         if rival.is_right() {
-            let (axes, scene) = rival.witness.told(sky);
-            self.revised = Some(Start { axes, scene, misfit_k2: 0.0 });
+            self.revised = Some(rival.witness.told(sky));
             let all = rival.witness.clone();
             self.cases[k] = Case::default();
             self.cases[culprit].standing = Standing::LeftOut;

@@ -5,7 +5,8 @@
 //! it are surprised, and the one that does not is not: the sums of their surprises tell which sensor that is, and
 //! what it should show.
 //!
-//! - `filter`: a witness; `case`: what speaks against one sensor; `follow`: whether it follows what it should show; `other`: what else there is to blame;
+//! - `filter`: a witness; `case`: what speaks against one sensor; `follow`: whether it follows what it should show;
+//!   `other`: what else there is to blame;
 //! - `judge`: from surprises to standings; `rival`: whether it was the sensor on the other side.
 
 mod case;
