@@ -38,7 +38,9 @@ pub struct Directions {
     /// The length of each turn's pattern before it was made one, K/rad.
     slope: [f64; 2],
     /// The contrast, less what the turns explain.
-    pub contrast: Pattern,
+    contrast: Pattern,
+    /// All that another contrast would change.
+    weather: Pattern,
     /// The ground, less what all these explain; zero for pairs.
     ground: Pattern,
     /// The sky's shape, less what all these explain: its depth, and the spread of the field of view.
@@ -69,16 +71,24 @@ impl Directions {
         let weather = [weather, unit(without(pattern(|s| s.by_ground), &[weather]))];
         let rolled = unit(without(roll, &weather));
         let weatherless = [rolled, unit(without(without(pitch, &weather), &[rolled]))];
+        let [weather, _] = weather;
         let known = [roll, pitch, contrast, ground];
         let shape = [pattern(|s| s.by_depth), pattern(|s| s.by_spread)].map(|p| without(p, &known));
         let (gain, unsure) = gain(&shape, covariance);
         let count = seen.iter().flatten().count();
-        Self { turn: [roll, pitch], slope, contrast, ground, shape, gain, unsure, weatherless, count }
+        Self { turn: [roll, pitch], slope, contrast, weather, ground, shape, gain, unsure, weatherless, count }
     }
 
     /// The turn that a pattern looks like, rad; none where the sensors see no turn.
     pub fn turned(&self, pattern: &Pattern) -> [f64; 2] {
         std::array::from_fn(|k| if self.slope[k] > 1.0 { dot(pattern, &self.turn[k]) / self.slope[k] } else { 0.0 })
+    }
+
+    /// What of a pattern looks like another contrast, and is neither a turn nor what the contrast has given way by to one:
+    /// where a turn is not believed, what is taken for a contrast instead would ask for more and more of that.
+    pub fn weathered(&self, pattern: &Pattern) -> f64 {
+        let (beside, whole) = (dot(pattern, &self.contrast), dot(pattern, &self.weather));
+        if beside * whole > 0.0 { beside.signum() * beside.abs().min(whole.abs()) } else { 0.0 }
     }
 
     /// The mean square of what of a pattern is a turn and no other contrast or ground, over its variance.
@@ -282,14 +292,32 @@ fn without(mut a: Pattern, known: &[Pattern]) -> Pattern {
 mod tests {
     use super::*;
 
-    #[test]
-    fn another_contrast_or_ground_is_no_turn() {
-        // Banked, so that another contrast alone looks like a turn: right, left, up, down.
+    /// Banked, so that another contrast alone looks like a turn: right, left, up, down.
+    fn banked() -> [Option<Seen>; MAX_SENSORS] {
         let (by_turn, by_contrast) = ([8.0, -30.0, 4.0, -1.0], [-0.1, -0.7, -0.9, 0.0]);
-        let seen: [Option<Seen>; MAX_SENSORS] = std::array::from_fn(|i| {
+        std::array::from_fn(|i| {
             let by_turn = [*by_turn.get(i)?, 0.0, 0.0];
             Some(Seen { by_turn, by_ground: 1.0, by_contrast: by_contrast[i], ..Seen::default() })
-        });
+        })
+    }
+
+    #[test]
+    fn what_the_contrast_gives_way_by_to_a_turn_asks_for_no_more_of_it() {
+        let seen = banked();
+        let directions = Directions::new(&seen, [[0.0; 2]; 2]);
+        let pattern = |f: fn(&Seen) -> f64| std::array::from_fn(|i| seen[i].as_ref().map_or(0.0, f));
+        let (turn, contrast) = (pattern(|s| s.by_turn[0]), pattern(|s| s.by_contrast));
+        assert!(directions.weathered(&turn).abs() < 1e-9);
+        assert!((directions.weathered(&contrast) - dot(&contrast, &directions.contrast)).abs() < 1e-9);
+        // A turn that is not believed, and the contrast that leaves least of it.
+        let share = dot(&turn, &contrast) / dot(&contrast, &contrast);
+        let left: Pattern = std::array::from_fn(|i| turn[i] - share * contrast[i]);
+        assert!(dot(&left, &directions.contrast).abs() > 1.0 && directions.weathered(&left).abs() < 1e-9);
+    }
+
+    #[test]
+    fn another_contrast_or_ground_is_no_turn() {
+        let seen = banked();
         let directions = Directions::new(&seen, [[0.0; 2]; 2]);
         let pattern = |f: fn(&Seen) -> f64| std::array::from_fn(|i| seen[i].as_ref().map_or(0.0, f));
         let square = |p: Pattern| directions.weatherless(&p, |_| 1.0);

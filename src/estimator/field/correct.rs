@@ -148,7 +148,7 @@ impl FieldEstimator {
         for (turning, direction) in turning.iter_mut().zip(&directions.turn) {
             turning.update(dot(&innovations, direction), dt_s);
         }
-        self.contrast.update(dot(&innovations, &directions.contrast), dt_s);
+        self.contrast.update(directions.weathered(&innovations), dt_s);
         let state = &self.state;
         let turning = directions.weatherless(&innovations, |p| {
             let shown: [(usize, f64); MAX_SENSORS] = std::array::from_fn(|i| (SEEN + i, p[i]));
