@@ -1,8 +1,8 @@
 //! What the filter begins with.
 
-use super::adapt::SceneStrength;
 use super::aid::Aid;
 use super::correct::Misfit;
+use super::scene::SceneStrength;
 use super::start::{Start, start};
 use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPREAD, State, TURN};
 use super::{FieldEstimator, Tuning};

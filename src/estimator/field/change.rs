@@ -3,7 +3,8 @@
 //! What no turn, contrast or ground explains, and what lasts longer than noise does, is no gyro's error: each sensor's own
 //! scene is let change as fast as that asks for, so that a gyro need not give way.
 
-use super::adapt::{Directions, GLITCH_K, Pattern, dot};
+use super::directions::{Directions, Pattern, dot};
+use super::scene::GLITCH_K;
 
 /// Over this time innovations are averaged, s.
 const OVER_S: f64 = 0.3;

@@ -1,7 +1,7 @@
 //! What the readings say, and how well they fit.
 
 use super::FieldEstimator;
-use super::adapt::{Directions, Pattern, dot};
+use super::directions::{Directions, Pattern, dot};
 use super::predict::scene;
 use super::state::{DEPTH, MAX_SENSORS, SEEN, SPREAD};
 use crate::sky::family::LN_DEPTH;

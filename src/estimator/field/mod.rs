@@ -7,7 +7,8 @@
 //! - `state`: the states and their covariance; `tuning`: what the world is taken to be like;
 //! - `model`: what a sensor should show; `start`, `begin`: where the filter begins;
 //! - `hear`: which readings are heard; `witness`: which sensor is not;
-//! - `predict`: from frame to frame; `correct`: what the readings say; `adapt`: how much moves; `noise`: how noisy they are;
+//! - `predict`: from frame to frame; `correct`: what the readings say; `directions`: what they look like;
+//! - `scene`: how strong the sensors' own scenes are; `noise`: how noisy the readings are;
 //! - `change`: a scene that comes nearer; `doubt`: one that is found not to be alike all around; `lean`: how far its
 //!   horizon is expected to lean;
 //! - `calibration`: sensors that are off; `expected`: states of which more is expected later;
@@ -15,12 +16,12 @@
 //! - `unheard`: what a sensor left out might have been right about;
 //! - `output`: angles and standard deviations.
 
-mod adapt;
 mod aid;
 mod begin;
 mod calibration;
 mod change;
 mod correct;
+mod directions;
 mod doubt;
 mod expected;
 mod gyro;
@@ -31,6 +32,7 @@ mod model;
 mod noise;
 mod output;
 mod predict;
+mod scene;
 mod start;
 mod state;
 mod stuck;
@@ -52,7 +54,6 @@ use crate::frame::Frame;
 use crate::head::Head;
 use crate::sky::FieldOfView;
 use crate::time::Time;
-use adapt::SceneStrength;
 use aid::Aid;
 use begin::paces;
 use change::SceneChange;
@@ -62,6 +63,7 @@ use model::Model;
 use noise::NoiseLevel;
 use output::attitude;
 use predict::{Pace, correction, predict, rates};
+use scene::SceneStrength;
 use state::{CONTRAST, State};
 use stuck::Stuck;
 use witness::Witnesses;

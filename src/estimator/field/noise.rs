@@ -1,6 +1,6 @@
 //! How noisy the readings are.
 
-use super::adapt::{Pattern, dot};
+use super::directions::{Pattern, dot};
 
 /// Over this time it is averaged, s.
 const WINDOW_S: f64 = 3.0;
