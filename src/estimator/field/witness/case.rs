@@ -19,6 +19,10 @@ const BACK_AT_LAST_S: f64 = 20.0;
 /// must be so many times as far, and its sum as high.
 const GUILTY: (f64, f64) = (1.0, 0.08);
 const SECOND: f64 = 3.0;
+/// In so many steps it must have been ahead of all others. If it looks at the sky, by such a share of the contrast, and shows
+/// that colder than it should be, in more: no film makes it that, but what is too warm for the others, a wall, does.
+const STEPS: u8 = 3;
+const COLDER: (f64, u8) = (0.25, 6);
 /// Without it all others must fit together: their squared surprises' mean over some time, s.
 const FIT: f64 = 1.7;
 const FIT_S: f64 = 0.5;
@@ -34,7 +38,9 @@ pub struct Case {
     /// The sum of the surprises of the witness that hears all, less those of the one that does not hear this sensor.
     pub surprise: f64,
     /// For how many steps it has been ahead of all others.
-    pub ahead: u8,
+    ahead: u8,
+    /// Whether it looks at the sky, and shows that colder than the others say.
+    colder: bool,
     pub expected_k: Option<f64>,
     pub residual_k: Option<f64>,
     /// Whether it follows what it should show, since it is not heard.
@@ -52,13 +58,14 @@ pub struct Case {
 }
 
 impl Case {
-    /// Takes in what the others say of sensor `i` over `dt_s`, under a contrast, K; `second`: one is left out already.
+    /// Takes in what the others say of sensor `i` over `dt_s`, under a contrast, K, above a ground of so many °C; `second`: one is
+    /// left out already.
     pub fn hear(
         &mut self,
         i: usize,
         reading: Option<f64>,
         testimony: &Testimony,
-        (dt_s, contrast, second): (f64, f64, bool),
+        (dt_s, contrast, ground_c, second): (f64, f64, f64, bool),
     ) {
         let expected = testimony.expected[i];
         self.expected_k = Some(expected);
@@ -78,6 +85,7 @@ impl Case {
         let moved_k = self.near_k.map_or(0.0, |(least, most)| most - least);
         let moved = moved_k > BACK.0.max(BACK.1 * contrast);
         self.is_back = self.near_s > BACK_S && moved || self.near_s > BACK_AT_LAST_S;
+        self.colder = self.residual_k.is_some_and(|r| r < 0.0) && ground_c - expected > COLDER.0 * contrast;
         let guilty_k = many(second) * GUILTY.0.max(GUILTY.1 * contrast);
         self.guilty = self.residual_k.is_some_and(|r| r.abs() > guilty_k);
         self.others_fit += -(-dt_s / FIT_S).exp_m1() * (testimony.squared - self.others_fit);
@@ -108,6 +116,12 @@ impl Case {
     /// Whether it is far enough off, and the others agree, for it to be left out.
     pub fn is_guilty(&self) -> bool {
         self.guilty && self.others_fit < FIT
+    }
+
+    /// Takes in whether it alone is to blame in this step; whether it has been for long enough.
+    pub fn is_ahead(&mut self, alone: bool) -> bool {
+        self.ahead = if alone { self.ahead.saturating_add(1) } else { 0 };
+        self.ahead >= if self.colder { COLDER.1 } else { STEPS }
     }
 
     /// Whether all others fit together without it as well as if there were nothing but noise.

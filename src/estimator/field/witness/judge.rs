@@ -6,11 +6,9 @@ use super::other::opposed;
 use super::{Model, Rival, Witnesses};
 use crate::estimator::Standing;
 
-/// From this sum of surprises on a sensor is left out, if it is so much ahead of all others,
+/// From this sum of surprises on a sensor is left out, if it is so much ahead of all others for some time.
 const CONVICT: f64 = 20.0;
 const AHEAD: f64 = 5.0;
-/// in so many steps.
-const STEPS: u8 = 3;
 /// So much less the verdict that has been found right surprises.
 const SURE: f64 = 30.0;
 /// A sensor below this sine above the horizon sees more of it than of sky or ground.
@@ -52,8 +50,7 @@ impl Witnesses {
         for (i, case) in cases.iter_mut().enumerate() {
             let plausible = plausible(case);
             let alone = plausible && count == 1 && case.is_guilty() && most > many(second) * CONVICT;
-            case.ahead = if alone { case.ahead + 1 } else { 0 };
-            if case.ahead >= STEPS {
+            if case.is_ahead(alone) {
                 convicted = Some(i);
             }
             if case.standing != Standing::LeftOut {

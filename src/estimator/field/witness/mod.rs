@@ -229,11 +229,11 @@ impl Witnesses {
         for (i, witness) in self.without.iter_mut().enumerate() {
             let case = &mut self.cases[i];
             if case.standing == Standing::LeftOut {
-                case.hear(i, readings[i], &whole, (window.dt_s, contrast, second));
+                case.hear(i, readings[i], &whole, (window.dt_s, contrast, known.sky.ground_c, second));
             } else {
                 let testimony = witness.hear(model, &step, &readings);
                 case.surprise = (case.surprise + testimony.likelihood - whole.likelihood).clamp(BOUNDS.0, BOUNDS.1);
-                case.hear(i, readings[i], &testimony, (window.dt_s, contrast, second));
+                case.hear(i, readings[i], &testimony, (window.dt_s, contrast, known.sky.ground_c, second));
             }
         }
         if let Some(rival) = &mut self.rival {

@@ -167,10 +167,26 @@ fn what_is_far_off_is_not_heard_again_however_little_the_others_know_of_it() {
                 sigma_k: [4.0; MAX_SENSORS],
                 ..filter::Testimony::default()
             };
-            case.hear(0, Some(due_k + off_k), &testimony, (0.05, 25.0, false));
+            case.hear(0, Some(due_k + off_k), &testimony, (0.05, 25.0, 15.0, false));
         }
         assert_eq!(case.is_acquitted(), back, "{off_k} K");
     }
+}
+
+/// A film makes what looks at the sky warmer. What shows it colder is to blame as well, but a wall that the others see comes
+/// first to mind.
+#[test]
+fn one_that_shows_the_sky_too_cold_is_left_out_later() {
+    let steps = |due_k: f64, off_k: f64| {
+        let mut case = Case::default();
+        let testimony = filter::Testimony { expected: [due_k; MAX_SENSORS], ..filter::Testimony::default() };
+        case.hear(0, Some(due_k + off_k), &testimony, (0.05, 25.0, 15.0, false));
+        (1..20).find(|_| case.is_ahead(true))
+    };
+    let (sky_c, ground_c) = (0.0, 14.0);
+    let [film, colder] = [steps(sky_c, 9.0), steps(sky_c, -9.0)];
+    assert!(film < colder, "{film:?} and {colder:?} steps");
+    assert!(colder.is_some() && steps(ground_c, -9.0) == film && steps(ground_c, 9.0) == film);
 }
 
 #[test]
