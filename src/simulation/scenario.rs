@@ -146,6 +146,12 @@ impl Scenario {
         self
     }
 
+    /// With sensors that average radiance, or temperature.
+    pub fn with_averaging(mut self, averaging: Averaging) -> Self {
+        self.averaging = averaging;
+        self
+    }
+
     /// With sensors whose noise is `noise_k` rms.
     pub fn with_noise(mut self, noise_k: f64) -> Self {
         self.noise_k = noise_k;

@@ -4,7 +4,9 @@ use super::aid::Aid;
 use super::correct::Misfit;
 use super::scene::SceneStrength;
 use super::start::{Start, start};
-use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPREAD, State, TURN};
+use super::state::{
+    CONTRAST, DEEPENING, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPREAD, State, TURN,
+};
 use super::{FieldEstimator, Tuning};
 use crate::estimator::whiteness::Whiteness;
 use crate::time::Time;
@@ -53,6 +55,7 @@ impl FieldEstimator {
             (GROUND, 2.0),
             (CONTRAST, (0.15 * start.scene.contrast_k).hypot(1.0)),
             (DEPTH, t.depth.1),
+            (DEEPENING, t.deepening),
             (SPREAD, t.spread),
             (OFFSET, t.offset.0),
             (OFFSET + 1, t.offset.0),

@@ -41,6 +41,8 @@ pub struct Seen {
     pub by_depth: f64,
     /// With the sensor's own scene: the share of sky in what it sees.
     pub sky: f64,
+    /// With how much deeper the sky looks under more contrast, K.
+    pub by_deepening: f64,
     /// With the spread of the field of view, K.
     pub by_spread: f64,
     /// With how far the horizon leans up to north and to west, K/rad.
@@ -54,8 +56,10 @@ pub struct Scene {
     pub ground_c: f64,
     /// A vertical pair's signal, K.
     pub contrast_k: f64,
-    /// The logarithm of the sky's depth, as [`Family`] counts it.
+    /// The logarithm of the sky's depth, as [`Family`] counts it, under next to no contrast.
     pub ln_depth: f64,
+    /// How much that grows by to [`RADIANCE_K`] of contrast: it looks so to sensors that average radiance.
+    pub deepening: f64,
     /// How much wider the sensors see than they are said to, as [`Family`] counts it.
     pub spread: f64,
     /// How far the horizon that is seen leans up to north and to west, where it is warmer, rad.
@@ -103,8 +107,10 @@ impl Model {
         let up = add_scaled(add_scaled(*up, -scene.lean[0], *north), -scene.lean[1], *west);
         let up = unit(up).unwrap_or(axes[2]);
         let sine = dot(direction, up);
-        let averaged = AVERAGED * scene.contrast_k / RADIANCE_K;
-        let level = |sine: f64| self.family.level(sine, scene.ln_depth, averaged, scene.spread);
+        let share = scene.contrast_k / RADIANCE_K;
+        let averaged = AVERAGED * share;
+        let ln_depth = scene.ln_depth + scene.deepening * share;
+        let level = |sine: f64| self.family.level(sine, ln_depth, averaged, scene.spread);
         let high = level(sine);
         let by_turn = |slope: f64| cross(direction, up.map(|c| slope * c));
         let by_lean = |slope: f64| [north, west].map(|level| -slope * dot(direction, *level));
@@ -115,8 +121,9 @@ impl Model {
                     value: scene.ground_c - scene.contrast_k * high.value,
                     by_turn: by_turn(slope),
                     by_ground: 1.0,
-                    by_contrast: -high.value,
+                    by_contrast: -high.value - share * scene.deepening * high.by_ln_depth,
                     by_depth: -scene.contrast_k * high.by_ln_depth,
+                    by_deepening: -scene.contrast_k * share * high.by_ln_depth,
                     sky: (high.value * 3.0).clamp(0.35, 1.0),
                     by_spread: -scene.contrast_k * high.by_spread,
                     by_lean: by_lean(slope),
@@ -125,16 +132,60 @@ impl Model {
             SensorKind::Pair { .. } => {
                 let low = level(-sine);
                 let slope = scene.contrast_k * (high.by_sine + low.by_sine);
+                let by_ln_depth = high.by_ln_depth - low.by_ln_depth;
                 Seen {
                     value: scene.contrast_k * (high.value - low.value),
                     by_turn: by_turn(slope),
                     by_ground: 0.0,
-                    by_contrast: high.value - low.value,
-                    by_depth: scene.contrast_k * (high.by_ln_depth - low.by_ln_depth),
+                    by_contrast: high.value - low.value + share * scene.deepening * by_ln_depth,
+                    by_depth: scene.contrast_k * by_ln_depth,
+                    by_deepening: scene.contrast_k * share * by_ln_depth,
                     sky: 1.4,
                     by_spread: scene.contrast_k * (high.by_spread - low.by_spread),
                     by_lean: by_lean(slope),
                 }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimator::vector::rotation;
+
+    const SKY: Scene =
+        Scene { ground_c: 15.0, contrast_k: 35.0, ln_depth: -1.1, deepening: 0.3, spread: 0.2, lean: [0.0; 2] };
+
+    /// Each slope is what a small step changes, of sensors that show their own temperature and of pairs.
+    #[test]
+    fn slopes_are_differences() {
+        let axes = rotation([0.3, -0.2, 0.5]);
+        let pair = SensorKind::Pair { neutral_v: 0.0, kelvin_per_v: 40.0 };
+        let mut head = Head::six();
+        head.sensors.iter_mut().take(3).for_each(|s| s.kind = pair);
+        let model = Model::new(&head, FieldOfView::Gaussian { fwhm_deg: 90.0 });
+        type Slope = (&'static str, fn(&Seen) -> f64, fn(&mut Scene, f64), f64);
+        // Of the contrast, what averaging in radiance adds with more of it is left out.
+        let slopes: [Slope; 7] = [
+            ("ground", |s| s.by_ground, |s, h| s.ground_c += h, 1e-6),
+            ("contrast", |s| s.by_contrast, |s, h| s.contrast_k += h, 0.01),
+            ("depth", |s| s.by_depth, |s, h| s.ln_depth += h, 1e-3),
+            ("deepening", |s| s.by_deepening, |s, h| s.deepening += h, 1e-3),
+            ("spread", |s| s.by_spread, |s, h| s.spread += h, 1e-3),
+            ("lean to north", |s| s.by_lean[0], |s, h| s.lean[0] += h, 1e-3),
+            ("lean to west", |s| s.by_lean[1], |s, h| s.lean[1] += h, 1e-3),
+        ];
+        for i in 0..model.sensors() {
+            let seen = model.seen(i, &axes, &SKY);
+            for (name, slope, change, limit) in slopes {
+                let value = |h: f64| {
+                    let mut sky = SKY;
+                    change(&mut sky, h);
+                    model.seen(i, &axes, &sky).value
+                };
+                let difference = (value(1e-5) - value(-1e-5)) / 2e-5;
+                assert!((slope(&seen) - difference).abs() < limit, "{i} {name}: {}, {difference}", slope(&seen));
             }
         }
     }

@@ -1,7 +1,9 @@
 //! From one frame to the next: how the state moves, and what that leaves in doubt.
 
 use super::model::{Model, Scene};
-use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPAN_K, SPREAD, State, TURN};
+use super::state::{
+    CONTRAST, DEEPENING, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPAN_K, SPREAD, State, TURN,
+};
 use super::tuning::Tuning;
 use crate::estimator::flying::G_M_S2;
 use crate::estimator::vector::{Vector, add_scaled, cross, length, product, rotation, unit};
@@ -176,12 +178,12 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
         state.axes.map(|a| unit(add_scaled(a, age_s, cross(rate, a))).unwrap_or(a))
     };
     let scene = scene(state);
-    let mut slopes = [[(0_usize, 0.0_f64); 16]; MAX_SENSORS];
+    let mut slopes = [[(0_usize, 0.0_f64); 17]; MAX_SENSORS];
     for (i, slope) in slopes[..sensors].iter_mut().enumerate() {
         let s = model.seen(i, &axes, &scene);
         let [own, error, scale] = [1, 2, 3].map(|k| SEEN + k * sensors + i);
         // What it shows less than the ground, all of it off by the same share.
-        let share = scene.contrast_k * s.by_contrast / SPAN_K;
+        let share = (s.value - s.by_ground * scene.ground_c) / SPAN_K;
         let off = state.x[error] + share * state.x[scale];
         let input = s.value + s.sky * state.x[own] + off;
         let lag = if lag_s > 1e-4 { keep * dt_s / lag_s * (state.x[SEEN + i] - input) } else { 0.0 };
@@ -196,6 +198,7 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
             (GROUND, s.by_ground),
             (CONTRAST, s.by_contrast),
             (DEPTH, s.by_depth),
+            (DEEPENING, s.by_deepening),
             (SPREAD, s.by_spread),
             (LEAN, north),
             (LEAN + 1, west),
@@ -205,7 +208,7 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
             (LAG, 0.0),
         ];
         slope.iter_mut().for_each(|(_, v)| *v *= gain);
-        slope[15].1 = lag;
+        slope[16].1 = lag;
         state.x[SEEN + i] = keep * state.x[SEEN + i] + gain * input;
         state.plain[i] = keep * state.plain[i] + gain * s.value;
         state.off[i] = off;
@@ -232,6 +235,7 @@ pub fn scene(state: &State) -> Scene {
         ground_c: state.x[GROUND],
         contrast_k: state.x[CONTRAST],
         ln_depth: state.x[DEPTH],
+        deepening: state.x[DEEPENING],
         spread: state.x[SPREAD],
         lean: [state.x[LEAN], state.x[LEAN + 1]],
     }

@@ -50,7 +50,14 @@ pub fn start(model: &Model, readings: &[Option<f64>; MAX_SENSORS], needed: usize
     // Upside down, or the ground colder than the sky: the first cannot be at a start.
     let (up, sign) = if cold[2] < 0.0 { (cold.map(|c| -c), -1.0) } else { (cold, 1.0) };
     let ground_c = if absolute { mean + 0.4 * sign * contrast_k } else { 0.0 };
-    let scene = Scene { ground_c, contrast_k: sign * contrast_k, ln_depth: depth.0, spread: 0.0, lean: [0.0; 2] };
+    let scene = Scene {
+        ground_c,
+        contrast_k: sign * contrast_k,
+        ln_depth: depth.0,
+        deepening: 0.0,
+        spread: 0.0,
+        lean: [0.0; 2],
+    };
     let level = unit([0.3 * up[0], 0.3 * up[1], 1.0]).unwrap_or(up);
     [up, level, [0.0, 0.0, 1.0]]
         .into_iter()

