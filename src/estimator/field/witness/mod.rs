@@ -199,11 +199,11 @@ impl Witnesses {
             let share = -(-window.dt_s / SHAPE_S).exp_m1();
             self.shape.iter_mut().zip(now).for_each(|(s, n)| *s += share * (n - *s));
         }
-        let own_k = self.shape[3];
+        let [ln_depth, deepening, spread, own_k, turning @ ..] = self.shape;
         let gyro = known.gyro.map(|_| window.turned.map(|a| a / window.dt_s));
         let rate = match gyro {
             Some(rates) => rates.map(|r| GYRO.0 + GYRO.1 * r.abs()),
-            None => std::array::from_fn(|i| self.shape[4 + i] * t.rate_sigma[i]),
+            None => std::array::from_fn(|i| turning[i] * t.rate_sigma[i]),
         };
         let motion = gyro.map_or(0.0, |r| r.iter().map(|c| c * c).sum::<f64>().sqrt());
         let keep = (-window.dt_s * (1.0 / t.scene_time_s + motion / t.scene_angle)).exp();
@@ -215,7 +215,7 @@ impl Witnesses {
             walk_k: [WALK.0, contrast * WALK.1.max(known.pace.contrast * t.contrast.0)],
             own: (own_k, keep),
             noise_k: known.noise_k,
-            sky: Scene { ln_depth: self.shape[0], deepening: self.shape[1], spread: self.shape[2], ..known.sky },
+            sky: Scene { ln_depth, deepening, spread, ..known.sky },
         };
         let readings: [Option<f64>; MAX_SENSORS] =
             std::array::from_fn(|i| (window.count[i] > 0).then(|| window.sum[i] / f64::from(window.count[i])));
