@@ -4,7 +4,7 @@ use super::state::MAX_SENSORS;
 use crate::estimator::vector::{Vector, add_scaled, cross, dot, unit};
 use crate::frame::Frame;
 use crate::head::{Head, SensorKind};
-use crate::sky::family::RADIANCE_K;
+use crate::sky::family::{Level, RADIANCE_K};
 use crate::sky::{Family, FieldOfView};
 use crate::time::Time;
 
@@ -112,39 +112,32 @@ impl Model {
         let ln_depth = scene.ln_depth + scene.deepening * share;
         let level = |sine: f64| self.family.level(sine, ln_depth, averaged, scene.spread);
         let high = level(sine);
-        let by_turn = |slope: f64| cross(direction, up.map(|c| slope * c));
-        let by_lean = |slope: f64| [north, west].map(|level| -slope * dot(direction, *level));
-        match kind {
-            SensorKind::Absolute { .. } => {
-                let slope = -scene.contrast_k * high.by_sine;
-                Seen {
-                    value: scene.ground_c - scene.contrast_k * high.value,
-                    by_turn: by_turn(slope),
-                    by_ground: 1.0,
-                    by_contrast: -high.value - share * scene.deepening * high.by_ln_depth,
-                    by_depth: -scene.contrast_k * high.by_ln_depth,
-                    by_deepening: -scene.contrast_k * share * high.by_ln_depth,
-                    sky: (high.value * 3.0).clamp(0.35, 1.0),
-                    by_spread: -scene.contrast_k * high.by_spread,
-                    by_lean: by_lean(slope),
-                }
-            }
+        // What the level adds to a reading, times the contrast: a sensor shows what the sky is less than the ground.
+        let (sign, ground_c, by_ground, sky, level) = match kind {
+            SensorKind::Absolute { .. } => (-1.0, scene.ground_c, 1.0, (high.value * 3.0).clamp(0.35, 1.0), high),
             SensorKind::Pair { .. } => {
                 let low = level(-sine);
-                let slope = scene.contrast_k * (high.by_sine + low.by_sine);
-                let by_ln_depth = high.by_ln_depth - low.by_ln_depth;
-                Seen {
-                    value: scene.contrast_k * (high.value - low.value),
-                    by_turn: by_turn(slope),
-                    by_ground: 0.0,
-                    by_contrast: high.value - low.value + share * scene.deepening * by_ln_depth,
-                    by_depth: scene.contrast_k * by_ln_depth,
-                    by_deepening: scene.contrast_k * share * by_ln_depth,
-                    sky: 1.4,
-                    by_spread: scene.contrast_k * (high.by_spread - low.by_spread),
-                    by_lean: by_lean(slope),
-                }
+                let pair = Level {
+                    value: high.value - low.value,
+                    by_sine: high.by_sine + low.by_sine,
+                    by_ln_depth: high.by_ln_depth - low.by_ln_depth,
+                    by_spread: high.by_spread - low.by_spread,
+                };
+                (1.0, 0.0, 0.0, 1.4, pair)
             }
+        };
+        let by_level = sign * scene.contrast_k;
+        let (slope, by_depth) = (by_level * level.by_sine, by_level * level.by_ln_depth);
+        Seen {
+            value: ground_c + by_level * level.value,
+            by_turn: cross(direction, up.map(|c| slope * c)),
+            by_ground,
+            by_contrast: sign * (level.value + share * scene.deepening * level.by_ln_depth),
+            by_depth,
+            by_deepening: share * by_depth,
+            sky,
+            by_spread: by_level * level.by_spread,
+            by_lean: [north, west].map(|axis| -slope * dot(direction, *axis)),
         }
     }
 }

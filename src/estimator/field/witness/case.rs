@@ -119,7 +119,7 @@ impl Case {
     }
 
     /// Takes in whether it alone is to blame in this step; whether it has been for long enough.
-    pub fn is_ahead(&mut self, alone: bool) -> bool {
+    pub fn leads(&mut self, alone: bool) -> bool {
         self.ahead = if alone { self.ahead.saturating_add(1) } else { 0 };
         self.ahead >= if self.colder { COLDER.1 } else { STEPS }
     }

@@ -50,7 +50,7 @@ impl Witnesses {
         for (i, case) in cases.iter_mut().enumerate() {
             let plausible = plausible(case);
             let alone = plausible && count == 1 && case.is_guilty() && most > many(second) * CONVICT;
-            if case.is_ahead(alone) {
+            if case.leads(alone) {
                 convicted = Some(i);
             }
             if case.standing != Standing::LeftOut {

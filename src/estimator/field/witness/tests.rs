@@ -182,7 +182,7 @@ fn one_that_shows_the_sky_too_cold_is_left_out_later() {
         let mut case = Case::default();
         let testimony = filter::Testimony { expected: [due_k; MAX_SENSORS], ..filter::Testimony::default() };
         case.hear(0, Some(due_k + off_k), &testimony, (0.05, 25.0, 15.0, false));
-        (1..20).find(|_| case.is_ahead(true))
+        (1..20).find(|_| case.leads(true))
     };
     let (sky_c, ground_c) = (0.0, 14.0);
     let [film, colder] = [steps(sky_c, 9.0), steps(sky_c, -9.0)];
