@@ -1,6 +1,6 @@
 //! The table of docs/estimation.md: every scenario through the schemes that others have published and
 //! through our own: `cargo bench --bench table`, or `-- NAME…` for some scenarios, `-- --differential` for three pairs
-//! instead of six temperatures. About a minute.
+//! instead of six temperatures. About four minutes.
 
 #[path = "../tests/field/mod.rs"]
 mod field;
@@ -116,7 +116,7 @@ fn cell(score: &Score, sigma: bool) -> String {
 fn line(name: &str, differential: bool) -> Option<String> {
     let scenario = Scenario::named(name)?;
     let scenario = if differential { scenario.differential() } else { scenario };
-    let (flights, head) = (Flown::all(&scenario), scenario.head());
+    let (flights, head) = (Flown::all(&scenario, 15), scenario.head());
     let mut line = format!("| {name} |");
     for column in columns() {
         let score = score(&flights, hear(column.aided), || (column.make)(&head, name));

@@ -1,5 +1,5 @@
-//! How right the method `field` must be: flights of five minutes under the simulator's skies, three seeds
-//! pooled, the first 20 s left out. Each test prints its figures and names every one that is missed.
+//! How right the method `field` must be: fifteen flights of five minutes under each of the simulator's skies, pooled, the
+//! first 20 s left out. Each test prints its figures and names every one that is missed.
 
 mod field;
 mod flights;
@@ -22,6 +22,9 @@ type Limits = [f64; 4];
 const WHAT: [&str; 4] = ["roll rms", "pitch rms", "p99", "underestimated p99"];
 /// The share of errors that must lie within twice their standard deviation, %.
 const COVERED_PERCENT: std::ops::RangeInclusive<f64> = 92.0..=98.0;
+
+/// Flights under each sky.
+const FLIGHTS: u64 = 15;
 
 /// The clear skies: dry and humid grey atmospheres, and the report's two.
 const CLEAR: [Limits; 2] = [[0.40, 0.28, 1.1, 0.9], [0.10, 0.10, 0.35, 0.2]];
@@ -60,7 +63,7 @@ fn scenario(name: &str) -> Scenario {
 
 /// Its flights.
 fn flown(name: &str) -> Vec<Flown> {
-    Flown::all(&scenario(name))
+    Flown::all(&scenario(name), FLIGHTS)
 }
 
 /// Prints what was reached; gives what was missed.
@@ -91,41 +94,31 @@ fn misses(what: &str, score: &Score, limits: Limits) -> Vec<String> {
 
 /// What is known to be missed, said in docs/estimation.md: the figures asked for above stay as they are, and
 /// what is reached instead must not get worse than this.
-const KNOWN: [(&str, &str, f64); 34] = [
-    ("clear-humid radiance with rates and GPS", "2 sigma", 75.00),
-    ("clear-humid radiance with rates and GPS", "p99", 0.45),
-    ("clear-humid radiance with rates and GPS", "pitch rms", 0.13),
-    ("clear-humid radiance with rates and GPS", "roll rms", 0.21),
-    ("clear-humid radiance with rates and GPS", "underestimated p99", 0.46),
-    ("clear-humid radiance without aiding", "roll rms", 0.42),
-    ("clear-humid radiance without aiding", "underestimated p99", 1.01),
-    ("into-cloud radiance without aiding", "p99", 2.50),
-    ("into-cloud radiance without aiding", "roll rms", 0.70),
-    ("clear-dry radiance without aiding", "2 sigma", 98.00),
-    ("clear-dry radiance with rates and GPS", "2 sigma", 98.00),
-    ("durham radiance without aiding", "2 sigma", 98.00),
-    ("durham radiance with rates and GPS", "2 sigma", 98.00),
-    ("namibia radiance without aiding", "2 sigma", 98.00),
-    ("namibia radiance with rates and GPS", "2 sigma", 98.00),
-    ("into-cloud radiance without aiding", "2 sigma", 98.00),
-    ("into-cloud radiance with rates and GPS", "2 sigma", 98.00),
-    ("overcast radiance with rates and GPS", "2 sigma", 98.00),
-    ("scattered without aiding", "p99", 4.41),
-    ("scattered without aiding", "pitch rms", 1.66),
-    ("scattered without aiding", "roll rms", 1.77),
+const KNOWN: [(&str, &str, f64); 24] = [
+    ("scattered without aiding", "p99", 6.70),
+    ("scattered without aiding", "pitch rms", 1.85),
+    ("scattered without aiding", "roll rms", 2.45),
+    ("scattered without aiding", "underestimated p99", 4.50),
+    ("warm-slope with rates and GPS", "underestimated p99", 2.15),
+    ("without nose, with rates and GPS", "pitch rms", 1.62),
+    ("without tail, with rates and GPS", "pitch rms", 1.58),
     ("clear-dry with rates and GPS", "2 sigma", 98.00),
+    ("clear-dry radiance with rates and GPS", "2 sigma", 98.00),
     ("clear-humid with rates and GPS", "2 sigma", 98.00),
+    ("clear-humid radiance with rates and GPS", "2 sigma", 98.00),
     ("durham with rates and GPS", "2 sigma", 98.00),
-    ("into-cloud with rates and GPS", "2 sigma", 98.00),
-    ("lag-0.3 with rates and GPS", "2 sigma", 98.00),
+    ("durham radiance with rates and GPS", "2 sigma", 98.00),
     ("namibia with rates and GPS", "2 sigma", 98.00),
+    ("namibia radiance with rates and GPS", "2 sigma", 98.00),
     ("overcast with rates and GPS", "2 sigma", 98.00),
-    ("scattered without aiding", "2 sigma", 98.00),
+    ("overcast radiance with rates and GPS", "2 sigma", 98.00),
+    ("into-cloud with rates and GPS", "2 sigma", 98.00),
+    ("into-cloud radiance with rates and GPS", "2 sigma", 98.00),
+    ("lag-0.3 with rates and GPS", "2 sigma", 98.00),
     ("scattered with rates and GPS", "2 sigma", 98.00),
+    ("scattered without aiding", "2 sigma", 98.00),
     ("warm-sky with rates and GPS", "2 sigma", 98.00),
-    ("warm-slope with rates and GPS", "underestimated p99", 1.96),
     ("warm-sky without aiding", "2 sigma", 98.00),
-    ("without nose, with rates and GPS", "pitch rms", 1.65),
 ];
 
 /// Whether a miss is one of the known ones, and no worse.
@@ -335,11 +328,10 @@ fn sensors_that_show_too_much_or_too_little() {
     let scale =
         off([0.02, -0.03, 0.02, -0.02, 0.03, -0.01], |object_c, die_c, by| *object_c += by * (*object_c - die_c));
     with_worse("clear-dry", constant, ([0.8, 0.7], 85.0));
-    with_worse("clear-humid", constant, ([0.8, 0.7], 85.0));
-    // Chance: 0.45 to 1.1 in other seeds.
-    with_worse("clear-dry", scale, ([0.75, 0.70], 90.0));
+    with_worse("clear-humid", constant, ([1.0, 0.9], 85.0));
+    with_worse("clear-dry", scale, ([0.85, 0.8], 85.0));
     // In humid air such a scale is a scene for most of the five minutes: a known miss, σ is too small.
-    with_worse("clear-humid", scale, ([1.15, 1.2], 45.0));
+    with_worse("clear-humid", scale, ([1.0, 1.0], 70.0));
 }
 
 /// A filter in the autopilot, stamps that are of its end: the thermopiles cannot tell whose clock is right.

@@ -12,23 +12,23 @@ use events::report::{self, Asked};
 /// What is known to be missed, said in docs/faults.md: in how many of the flights what is asked must be reached
 /// nevertheless.
 const KNOWN: [(&str, &str, &str, usize); 18] = [
-    ("film on one sensor, 92 % in 3 s", "without aiding", "seen in time", 21),
+    ("film on one sensor, 92 % in 3 s", "without aiding", "seen in time", 20),
     ("film on one sensor, 92 % in 3 s", "without aiding", "nothing else said", 22),
-    ("film on one sensor, 92 % in 3 s", "without aiding", "error", 10),
+    ("film on one sensor, 92 % in 3 s", "without aiding", "error", 11),
     ("film on one sensor, 92 % in 3 s", "with rates and GPS", "seen in time", 21),
     ("film on one sensor, 92 % in 3 s", "with rates and GPS", "nothing else said", 20),
     ("film on one sensor, 92 % in 3 s", "with rates and GPS", "error", 23),
     ("lost sensor", "without aiding", "error", 19),
-    ("ridge of 25° on one side, in 3 s", "without aiding", "seen in time", 9),
-    ("ridge of 25° on one side, in 3 s", "without aiding", "nothing else said", 20),
+    ("ridge of 25° on one side, in 3 s", "without aiding", "seen in time", 7),
+    ("ridge of 25° on one side, in 3 s", "without aiding", "nothing else said", 19),
     ("ridge of 25° on one side, in 3 s", "without aiding", "2 sigma", 8),
     ("ridge of 25° on one side, in 3 s", "with rates and GPS", "seen in time", 16),
     ("stuck sensor", "without aiding", "error", 23),
-    ("valley of 35°, in 3 s", "without aiding", "seen in time", 8),
+    ("valley of 35°, in 3 s", "without aiding", "seen in time", 9),
     ("valley of 35°, in 3 s", "without aiding", "nothing else said", 16),
-    ("valley of 35°, in 3 s", "without aiding", "2 sigma", 15),
+    ("valley of 35°, in 3 s", "without aiding", "2 sigma", 18),
     ("valley of 35°, in 3 s", "with rates and GPS", "seen in time", 17),
-    ("valley of 35°, in 3 s", "with rates and GPS", "nothing else said", 20),
+    ("valley of 35°, in 3 s", "with rates and GPS", "nothing else said", 21),
     ("hail: 5 K to −2 K in 2 s", "without aiding", "error", 23),
 ];
 

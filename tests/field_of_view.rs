@@ -14,7 +14,7 @@ type Limits = [[f64; 2]; 2];
 
 /// Prints what was reached without instruments and with, and wants no more, and σ to own up to it.
 fn holds(scenario: &Scenario, limits: [Limits; 2]) {
-    let flights = Flown::all(scenario);
+    let flights = Flown::all(scenario, 3);
     for (aided, limits) in [false, true].into_iter().zip(limits) {
         for (fwhm_deg, limits) in [75.0, 110.0].into_iter().zip(limits) {
             let field = FieldOfView::Gaussian { fwhm_deg };

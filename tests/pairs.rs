@@ -24,7 +24,7 @@ fn pairs(name: &str) -> Scenario {
 
 fn flown<M: Estimator>(name: &str, aided: bool, make: impl Fn(&Scenario) -> M) -> Score {
     let scenario = pairs(name);
-    score(&Flown::all(&scenario), hear(aided), || said(make(&scenario)))
+    score(&Flown::all(&scenario, 3), hear(aided), || said(make(&scenario)))
 }
 
 fn profile(lag_s: f64) -> impl Fn(&Scenario) -> ProfileEstimator {

@@ -88,14 +88,24 @@ fn a_dome_of_one_temperature_is_near_no_depth() {
     }
 }
 
-/// The share of averaging in radiance is of use: with it the fit is better than without, and good.
+/// The share of averaging in radiance is of use: with it each depth is what it is, as without none is, and what half of it
+/// does lies between.
 #[test]
 fn averaging_in_radiance_is_part_of_it() {
-    for depth in [0.15, 0.3, 0.6] {
+    for depth in [0.05_f64, 0.15, 0.3, 0.6, 1.5, 2.9] {
         let own = alone(Shape::Grey { depth }, FIELD, Averaging::Radiance);
-        let [without, with] = [0.0, CONTRAST_K / RADIANCE_K].map(|share| best_misfit_k(&own, share));
-        println!("depth {depth}: {without:.3} K without, {with:.3} K with");
-        assert!(with < 0.1 && with < without, "depth {depth}: {without} K, {with} K");
+        let at = |share| CONTRAST_K * largest_apart(&own, &levels(&FAMILY, depth.ln(), share));
+        let response = Response::new(Shape::Grey { depth }, FIELD, Averaging::Temperature);
+        let pair_k = response.sensor_c(-1.0, 10.0, CONTRAST_K) - response.sensor_c(1.0, 10.0, CONTRAST_K);
+        let (share, nearest_k) = (pair_k / RADIANCE_K, best_misfit_k(&own, 0.0));
+        println!(
+            "depth {depth}: {:.3} K with, {:.3} half, {:.3} without, another depth {nearest_k:.3} K",
+            at(share),
+            at(share / 2.0),
+            at(0.0)
+        );
+        assert!(at(share) < 0.1 && at(share) < nearest_k, "depth {depth}: {} K, {nearest_k} K", at(share));
+        assert!(at(share / 2.0) < 0.6 * at(0.0), "depth {depth}: {} K, {} K", at(share / 2.0), at(0.0));
     }
 }
 
@@ -179,5 +189,8 @@ proptest! {
         prop_assert!(by_depth, "{}", level.by_ln_depth);
         let by_spread = within(level.by_spread, value(sine, ln_depth, spread - h), value(sine, ln_depth, spread + h));
         prop_assert!(by_spread, "{}", level.by_spread);
+        // Linear.
+        let more = FAMILY.level(sine, ln_depth, radiance + 1.0, spread).value - level.value;
+        prop_assert!((level.by_radiance - more).abs() < 1e-9, "{} and {more}", level.by_radiance);
     }
 }

@@ -36,9 +36,8 @@ pub struct Family {
     table: Vec<Row>,
     /// What the spread of the field of view adds, and its square.
     by_spread: Vec<[Row; 2]>,
-    /// What averaging in radiance adds to the level at [`RADIANCE_K`] of contrast, less what another
-    /// ground, contrast and depth would do as well; by elevation.
-    radiance: Row,
+    /// What averaging in radiance adds to the level at [`RADIANCE_K`] of contrast.
+    radiance: Vec<Row>,
 }
 
 /// A look-up with its slopes.
@@ -50,12 +49,14 @@ pub struct Level {
     pub by_sine: f64,
     /// Its change with the logarithm of the depth.
     pub by_ln_depth: f64,
+    /// Its change with how much is averaged in radiance.
+    pub by_radiance: f64,
     /// Its change with the spread of the field of view.
     pub by_spread: f64,
 }
 
 impl Family {
-    /// Makes the table, in some ten milliseconds.
+    /// Makes the tables, in some ten milliseconds.
     pub fn new(field: FieldOfView) -> Self {
         let depths: Vec<f64> = (0..DEPTHS).map(depth).collect();
         let deficits: Vec<[f64; DEPTHS]> = (0..=SINES)
@@ -64,14 +65,21 @@ impl Family {
                 std::array::from_fn(|d| Shape::Grey { depth: depths[d] }.deficit(s))
             })
             .collect();
-        let (table, fourth) = tables(field, &deficits);
-        let mut radiance = fourth.map(|f| (1.0 - (1.0 - f).sqrt().sqrt()) * GROUND_K / RADIANCE_K);
-        normalise(&mut radiance);
-        // The depth that explains most of it.
-        let rest = table.windows(3).map(|like| unlike(radiance, [&like[0], &like[2]]));
-        let size = |v: &Row| v.iter().map(|c| c * c).sum::<f64>();
-        let radiance = rest.min_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or([0.0; ELEVATIONS]);
-        let [narrower, wider] = [-WIDER, WIDER].map(|by| tables(field.scaled(1.0 + by), &deficits).0);
+        let levels = |by: f64| means(field.scaled(by), &deficits);
+        let mut table = levels(1.0);
+        // What is radiated less than by the ground, as a share of that, where a vertical pair shows RADIANCE_K.
+        let span = |row: &Row| row[ELEVATIONS - 1] - row[0];
+        let shares: [f64; DEPTHS] = std::array::from_fn(|d| RADIANCE_K / GROUND_K / span(&table[d]));
+        let dimmer = |by: &[f64; DEPTHS]| std::array::from_fn(|d| 1.0 - (1.0 - by[d] * shares[d]).powi(4));
+        let mut radiance = means(field, &deficits.iter().map(dimmer).collect::<Vec<_>>());
+        radiance.iter_mut().flatten().for_each(|v| *v = 1.0 - (1.0 - *v).sqrt().sqrt());
+        let [mut narrower, mut wider] = [-WIDER, WIDER].map(|by| levels(1.0 + by));
+        for table in [&mut table, &mut radiance, &mut narrower, &mut wider] {
+            table.iter_mut().for_each(normalise);
+        }
+        for (more, level) in radiance.iter_mut().zip(&table) {
+            more.iter_mut().zip(level).for_each(|(more, level)| *more -= level);
+        }
         // Through the three.
         let parabola = |((at, less), more): ((&Row, &Row), &Row)| {
             let slope = std::array::from_fn(|e| (more[e] - less[e]) / 2.0);
@@ -95,24 +103,29 @@ impl Family {
         let y = depth - row as f64;
         let weights = Spline::at(x);
         // The four neighbours at this depth and spread, then the spline.
-        let ([low, high], [by_low, by_high]) =
-            ([&self.table[row], &self.table[row + 1]], [&self.by_spread[row], &self.by_spread[row + 1]]);
+        let ([low, high], [by_low, by_high], [more_low, more_high]) = (
+            [&self.table[row], &self.table[row + 1]],
+            [&self.by_spread[row], &self.by_spread[row + 1]],
+            [&self.radiance[row], &self.radiance[row + 1]],
+        );
         let square = spread * spread;
-        let mut sums = [[0.0; 2]; 3];
+        let mut sums = [[0.0; 2]; 4];
         for (i, weight) in weights.near(cell) {
             let spread_at = |by: &[Row; 2]| spread * by[0][i] + square * by[1][i];
-            let (low, high) = (low[i] + spread_at(by_low), high[i] + spread_at(by_high));
+            let low = low[i] + spread_at(by_low) + radiance * more_low[i];
+            let high = high[i] + spread_at(by_high) + radiance * more_high[i];
             let slope = |by: &[Row; 2]| by[0][i] + 2.0 * spread * by[1][i];
             let by_spread = slope(by_low) + y * (slope(by_high) - slope(by_low));
-            let value = low + y * (high - low) + radiance * self.radiance[i];
-            for (sum, term) in sums.iter_mut().zip([value, high - low, by_spread]) {
+            let by_radiance = more_low[i] + y * (more_high[i] - more_low[i]);
+            let value = low + y * (high - low);
+            for (sum, term) in sums.iter_mut().zip([value, high - low, by_radiance, by_spread]) {
                 *sum = [sum[0] + weight[0] * term, sum[1] + weight[1] * term];
             }
         }
-        let [[value, by_degree], [by_row, _], [by_spread, _]] = sums;
+        let [[value, by_degree], [by_row, _], [by_radiance, _], [by_spread, _]] = sums;
         // A degree of elevation is this much of its sine; near the poles the slope is a little off.
         let cosine = (1.0 - sine * sine).max(1e-4).sqrt();
-        Level { value, by_sine: by_degree.to_degrees() / cosine, by_ln_depth: by_row / STEP, by_spread }
+        Level { value, by_sine: by_degree.to_degrees() / cosine, by_ln_depth: by_row / STEP, by_radiance, by_spread }
     }
 }
 
@@ -122,8 +135,6 @@ pub const WIDER: f64 = 0.15;
 /// The contrast for which the table of averaging in radiance is made, and the ground's temperature, K.
 pub const RADIANCE_K: f64 = 40.0;
 const GROUND_K: f64 = 283.0;
-/// The depth for which it is made: about 0.3.
-const MIDDLE: usize = 11 + MORE;
 
 const STEP: f64 = (HUMID - DRY) / (DEPTHS - MORE - 1) as f64;
 
@@ -133,12 +144,10 @@ fn depth(i: usize) -> f64 {
     (if ln < DRY { DRY + DRY_STEPS * (ln - DRY) } else { ln }).exp()
 }
 
-/// The levels by depth, and the mean of the fourth powers at [`MIDDLE`], for what the sky is less than the ground by sine
-/// of elevation and depth.
-fn tables(field: FieldOfView, deficits: &[[f64; DEPTHS]]) -> (Vec<Row>, Row) {
+/// The mean over the field of view by depth and elevation, of what is given by sine of elevation and depth.
+fn means(field: FieldOfView, by_sine: &[[f64; DEPTHS]]) -> Vec<Row> {
     let nodes = field.nodes();
     let mut table = vec![[0.0; ELEVATIONS]; DEPTHS];
-    let mut fourth = [0.0; ELEVATIONS];
     let mut shares = vec![0.0; SINES + 1];
     for e in 0..ELEVATIONS {
         // How the view is spread over the sine of elevation: alike for every sky.
@@ -154,15 +163,13 @@ fn tables(field: FieldOfView, deficits: &[[f64; DEPTHS]]) -> (Vec<Row>, Row) {
                 shares[cell + 1] += part;
             }
         }
-        for (share, deficit) in shares.iter().zip(deficits).filter(|(share, _)| **share > 0.0) {
-            for (row, d) in table.iter_mut().zip(deficit) {
+        for (share, there) in shares.iter().zip(by_sine).filter(|(share, _)| **share > 0.0) {
+            for (row, d) in table.iter_mut().zip(there) {
                 row[e] += share * d;
             }
-            fourth[e] += share * (1.0 - (1.0 - deficit[MIDDLE] * RADIANCE_K / GROUND_K).powi(4));
         }
     }
-    table.iter_mut().for_each(normalise);
-    (table, fourth)
+    table
 }
 
 /// 0 at its beginning, 1 at its end, never falling.
@@ -175,28 +182,6 @@ fn normalise(row: &mut Row) {
     }
     // Looking down, the outermost nodes see the first of a dry sky all at once: not so fast that cubics overshoot.
     row[1] = row[1].max(row[2] / 4.0);
-}
-
-/// What is left of `row` when an offset, and as much of the `like` rows as explains most, are taken off
-/// (Gram and Schmidt).
-fn unlike(row: Row, like: [&Row; 2]) -> Row {
-    let dot = |a: &Row, b: &Row| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    let mut basis: Vec<Row> = Vec::new();
-    let less = |mut v: Row, basis: &[Row]| {
-        for b in basis {
-            let share = dot(&v, b);
-            v.iter_mut().zip(b).for_each(|(v, b)| *v -= share * b);
-        }
-        v
-    };
-    for v in [&[1.0; ELEVATIONS], like[0], like[1]] {
-        let v = less(*v, &basis);
-        let length = dot(&v, &v).sqrt();
-        if length > 1e-9 {
-            basis.push(v.map(|c| c / length));
-        }
-    }
-    less(row, &basis)
 }
 
 /// Weights of four neighbours for value and slope (Catmull-Rom); mirrored at the ends.

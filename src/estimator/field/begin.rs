@@ -5,7 +5,7 @@ use super::correct::Misfit;
 use super::scene::SceneStrength;
 use super::start::{Start, start};
 use super::state::{
-    CONTRAST, DEEPENING, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPREAD, State, TURN,
+    CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SPREAD, State, TURN,
 };
 use super::{FieldEstimator, Tuning};
 use crate::estimator::whiteness::Whiteness;
@@ -38,6 +38,7 @@ impl FieldEstimator {
         self.last = Some((now, now));
         self.aid = Aid::default();
         self.misfit = Misfit::default();
+        self.averaging = None;
         (self.unlike, self.tilted, self.found_s, self.off_s) = (false, false, 0.0, 0.0);
         let lately = self.scene.lately_unlike();
         (self.rates, self.gyro_errors, self.contrast, self.scene) = paces(&t);
@@ -48,6 +49,7 @@ impl FieldEstimator {
         s.x[GROUND] = start.scene.ground_c;
         s.x[CONTRAST] = start.scene.contrast_k;
         s.x[DEPTH] = start.scene.ln_depth;
+        s.x[RADIANCE] = start.scene.radiance;
         let sigmas = [
             (TURN, 0.1),
             (TURN + 1, 0.1),
@@ -55,7 +57,7 @@ impl FieldEstimator {
             (GROUND, 2.0),
             (CONTRAST, (0.15 * start.scene.contrast_k).hypot(1.0)),
             (DEPTH, t.depth.1),
-            (DEEPENING, t.deepening),
+            (RADIANCE, t.radiance.1),
             (SPREAD, t.spread),
             (OFFSET, t.offset.0),
             (OFFSET + 1, t.offset.0),

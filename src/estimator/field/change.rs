@@ -53,7 +53,7 @@ mod tests {
             ..Seen::default()
         };
         let seen: [Option<Seen>; MAX_SENSORS] = std::array::from_fn(|i| (i < 4).then(|| seen(i)));
-        Directions::new(&seen, [[0.0; 2]; 2])
+        Directions::new(&seen, Default::default())
     }
 
     fn after(seconds: f64, innovation: impl Fn(usize) -> Pattern) -> f64 {

@@ -3,8 +3,8 @@
 use super::FieldEstimator;
 use super::directions::{Directions, Pattern, dot};
 use super::predict::scene;
-use super::state::{DEEPENING, DEPTH, MAX_SENSORS, SEEN, SPREAD};
-use crate::sky::family::{LN_DEPTH, RADIANCE_K};
+use super::state::{DEPTH, MAX_SENSORS, RADIANCE, SEEN, SPREAD};
+use crate::sky::family::LN_DEPTH;
 
 /// A reading farther from its prediction than this many standard deviations weighs less.
 const GATE: f64 = 6.0;
@@ -13,9 +13,6 @@ const OUTLIER: f64 = 20.0;
 const GLITCH_S: f64 = 0.3;
 /// The spread of the field of view may be so much: it stands for a sky of another shape, too, but not for a wall.
 const WIDEST: f64 = 2.0;
-/// So much deeper may the sky look under more contrast: from averaging in temperature, 0, to averaging in radiance, 0.5, and
-/// half of that beyond.
-const DEEPER: (f64, f64) = (-0.25, 0.75);
 /// Over this time the misfit is averaged, s.
 const MISFIT_S: f64 = 0.5;
 /// So many times the expected misfit and the filter is lost; with a gyro, that is what is wrong.
@@ -107,7 +104,7 @@ impl FieldEstimator {
             self.state.read(SEEN + i, innovation, variance);
         }
         self.state.bound(DEPTH, LN_DEPTH);
-        self.state.bound(DEEPENING, DEEPER);
+        self.bound_averaging();
         self.state.bound(SPREAD, (-WIDEST, WIDEST));
         self.state.settle();
         if count > 1.0 {
@@ -131,9 +128,8 @@ impl FieldEstimator {
             scenes[i] = s.sky * self.state.x[self.state.scene(i)];
             seen[i] = Some(s);
         }
-        // The depth as it looks now, and the spread.
-        let shape = [&[(DEPTH, 1.0), (DEEPENING, sky.contrast_k / RADIANCE_K)][..], &[(SPREAD, 1.0)]];
-        let shape = shape.map(|g| shape.map(|h| self.state.covariance_of(g, h)));
+        let shape = [DEPTH, SPREAD, RADIANCE];
+        let shape = shape.map(|i| shape.map(|j| self.state.p[i][j]));
         let directions = Directions::new(&seen, shape);
         let alone = readings.iter().zip(&self.state.plain).map(|(r, p)| r.map_or(0.0, |r| r - p));
         let mut pattern = Pattern::default();

@@ -3,6 +3,10 @@
 use super::model::Seen;
 use super::scene::UNLIKE_K;
 use super::state::MAX_SENSORS;
+use crate::estimator::linear::solve;
+
+/// What the sky's shape is told by: its depth, the spread of the field of view, and how much is averaged in radiance.
+const SHAPE: usize = 3;
 
 /// One number a sensor.
 pub type Pattern = [f64; MAX_SENSORS];
@@ -20,11 +24,11 @@ pub struct Directions {
     weather: Pattern,
     /// The ground, less what all these explain; zero for pairs.
     ground: Pattern,
-    /// The sky's shape, less what all these explain: its depth, and the spread of the field of view.
-    shape: [Pattern; 2],
-    /// How much of each a pattern is taken to be, as uncertain as they are, for its products with both.
-    gain: [[f64; 2]; 2],
-    /// In how many dimensions the shape, as uncertain as it is, explains what is seen: 0..2.
+    /// The sky's shape, less what all these explain.
+    shape: [Pattern; SHAPE],
+    /// How much of each a pattern is taken to be, as uncertain as they are, for its products with all of them.
+    gain: [[f64; SHAPE]; SHAPE],
+    /// In how many dimensions the shape, as uncertain as it is, explains what is seen: 0..3.
     unsure: f64,
     /// The turns, less what another contrast or ground would explain.
     weatherless: [Pattern; 2],
@@ -33,8 +37,9 @@ pub struct Directions {
 }
 
 impl Directions {
-    /// Of the sensors that gave a reading, under a sky whose shape, depth's logarithm and spread, has this covariance.
-    pub fn new(seen: &[Option<Seen>; MAX_SENSORS], covariance: [[f64; 2]; 2]) -> Self {
+    /// Of the sensors that gave a reading, under a sky whose shape, depth's logarithm, spread and averaging, has this
+    /// covariance.
+    pub fn new(seen: &[Option<Seen>; MAX_SENSORS], covariance: [[f64; SHAPE]; SHAPE]) -> Self {
         let pattern = |f: fn(&Seen) -> f64| -> Pattern { std::array::from_fn(|i| seen[i].as_ref().map_or(0.0, f)) };
         let roll = pattern(|s| s.by_turn[0]);
         let slope = dot(&roll, &roll).sqrt();
@@ -50,7 +55,8 @@ impl Directions {
         let weatherless = [rolled, unit(without(without(pitch, &weather), &[rolled]))];
         let [weather, _] = weather;
         let known = [roll, pitch, contrast, ground];
-        let shape = [pattern(|s| s.by_depth), pattern(|s| s.by_spread)].map(|p| without(p, &known));
+        let shape = [pattern(|s| s.by_depth), pattern(|s| s.by_spread), pattern(|s| s.by_radiance)];
+        let shape = shape.map(|p| without(p, &known));
         let (gain, unsure) = gain(&shape, covariance);
         let count = seen.iter().flatten().count();
         Self { turn: [roll, pitch], slope, contrast, weather, ground, shape, gain, unsure, weatherless, count }
@@ -90,31 +96,30 @@ impl Directions {
     /// in how many dimensions that is seen. The only one left by five sensors is the shape's, until that is known.
     pub fn rests(&self, pattern: &Pattern) -> ([Pattern; 2], f64) {
         let (rest, dimensions) = self.unexplained(pattern);
-        let along = [dot(&rest, &self.shape[0]), dot(&rest, &self.shape[1])];
+        let along = self.shape.map(|shape| dot(&rest, &shape));
         let mut sure = rest;
         for (gain, shape) in self.gain.iter().zip(&self.shape) {
-            let share = gain[0] * along[0] + gain[1] * along[1];
+            let share = scalar(gain, &along);
             sure.iter_mut().zip(shape).for_each(|(r, s)| *r -= share * s);
         }
         if dimensions > 1 { ([rest, sure], dimensions as f64) } else { ([sure; 2], dimensions as f64 - self.unsure) }
     }
 }
 
-/// The gain of least squares for two patterns of which there is as much as `covariance` says, beside what is no scene;
+/// The gain of least squares for patterns of which there is as much as `covariance` says, beside what is no scene;
 /// and in how many dimensions they explain what is seen.
-fn gain(patterns: &[Pattern; 2], covariance: [[f64; 2]; 2]) -> ([[f64; 2]; 2], f64) {
+fn gain(patterns: &[Pattern; SHAPE], covariance: [[f64; SHAPE]; SHAPE]) -> ([[f64; SHAPE]; SHAPE], f64) {
     let products = patterns.map(|a| patterns.map(|b| dot(&a, &b)));
-    let times = |a: [[f64; 2]; 2], b: [[f64; 2]; 2]| {
-        a.map(|row| std::array::from_fn::<f64, 2, _>(|k| row[0] * b[0][k] + row[1] * b[1][k]))
-    };
-    let [mut a, mut b] = times(products, covariance);
-    let noise = UNLIKE_K.0 * UNLIKE_K.0;
-    (a[0], b[1]) = (a[0] + noise, b[1] + noise);
-    let determinant = a[0] * b[1] - a[1] * b[0];
-    let inverse = [[b[1], -a[1]], [-b[0], a[0]]].map(|row| row.map(|v| v / determinant));
-    let gain = times(covariance, inverse);
-    let explained = times(gain, products);
-    (gain, (explained[0][0] + explained[1][1]).clamp(0.0, 2.0))
+    // Both are symmetric: covariance · (products · covariance + noise)⁻¹, row by row.
+    let mut matrix = covariance.map(|row| products.map(|column| scalar(&row, &column)));
+    (0..SHAPE).for_each(|k| matrix[k][k] += UNLIKE_K.0 * UNLIKE_K.0);
+    let gain = covariance.map(|row| solve(matrix, row).unwrap_or_default());
+    let explained: f64 = gain.iter().zip(&products).map(|(g, p)| scalar(g, p)).sum();
+    (gain, explained.clamp(0.0, SHAPE as f64))
+}
+
+fn scalar(a: &[f64; SHAPE], b: &[f64; SHAPE]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The scalar product of two patterns.
@@ -153,7 +158,7 @@ mod tests {
     #[test]
     fn what_the_contrast_gives_way_by_to_a_turn_asks_for_no_more_of_it() {
         let seen = banked();
-        let directions = Directions::new(&seen, [[0.0; 2]; 2]);
+        let directions = Directions::new(&seen, Default::default());
         let pattern = |f: fn(&Seen) -> f64| std::array::from_fn(|i| seen[i].as_ref().map_or(0.0, f));
         let (turn, contrast) = (pattern(|s| s.by_turn[0]), pattern(|s| s.by_contrast));
         assert!(directions.weathered(&turn).abs() < 1e-9);
@@ -167,7 +172,7 @@ mod tests {
     #[test]
     fn another_contrast_or_ground_is_no_turn() {
         let seen = banked();
-        let directions = Directions::new(&seen, [[0.0; 2]; 2]);
+        let directions = Directions::new(&seen, Default::default());
         let pattern = |f: fn(&Seen) -> f64| std::array::from_fn(|i| seen[i].as_ref().map_or(0.0, f));
         let square = |p: Pattern| directions.weatherless(&p, |_| 1.0);
         assert!(dot(&pattern(|s| s.by_contrast), &directions.turn[0]).abs() > 0.3);

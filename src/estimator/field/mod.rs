@@ -11,12 +11,14 @@
 //! - `scene`: how strong the sensors' own scenes are; `noise`: how noisy the readings are;
 //! - `change`: a scene that comes nearer; `doubt`: one that is found not to be alike all around; `lean`: how far its
 //!   horizon is expected to lean;
-//! - `calibration`: sensors that are off; `expected`: states of which more is expected later;
+//! - `averaging`: how much the sensors average in radiance; `calibration`: sensors that are off; `expected`: states of which
+//!   more is expected later;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
 //! - `unheard`: what a sensor left out might have been right about;
 //! - `output`: angles and standard deviations.
 
 mod aid;
+mod averaging;
 mod begin;
 mod calibration;
 mod change;
@@ -127,6 +129,8 @@ pub struct FieldEstimator {
     off_s: f64,
     /// For how long what is seen has been against all that is known, s.
     lost_s: f64,
+    /// The variance of how much is averaged in radiance, while that cannot be told.
+    averaging: Option<f64>,
     /// For how long one reading has been far from what it was predicted, s.
     glitch_s: f64,
     /// How far it has turned about the vertical since it began, rad.
@@ -172,6 +176,7 @@ impl FieldEstimator {
             found_s: 0.0,
             off_s: 0.0,
             lost_s: 0.0,
+            averaging: None,
             glitch_s: 0.0,
             turned: 0.0,
         }
@@ -292,6 +297,7 @@ impl Estimator for FieldEstimator {
         if lost || !(0.0..GAP_S).contains(&dt_s) || !self.state.is_sound() {
             let begun = self.begin(&self.lately(&readings, now), now);
             if begun {
+                self.consider_averaging(now);
                 self.look(frame, now);
             } else {
                 self.last = None;
@@ -317,6 +323,7 @@ impl Estimator for FieldEstimator {
             self.turned += dt_s * self.gyro.rates().map_or(0.0, |r| dot(r, self.state.vertical()).abs());
             self.consult(&mut readings, &pace, (now, dt_s));
             self.leave_out(&mut readings, dt_s);
+            self.consider_averaging(now);
             self.learn(&readings, dt_s);
             self.doubt(now, dt_s);
             self.calibrate(dt_s);

@@ -8,10 +8,6 @@ use crate::sky::family::{Level, RADIANCE_K};
 use crate::sky::{Family, FieldOfView};
 use crate::time::Time;
 
-/// The share of averaging in radiance: sensors do something between that and averaging in temperature, and which of them
-/// is less to be told apart than how wide they see.
-const AVERAGED: f64 = 0.5;
-
 /// One sensor.
 #[derive(Clone, Copy, Debug)]
 struct Channel {
@@ -41,8 +37,8 @@ pub struct Seen {
     pub by_depth: f64,
     /// With the sensor's own scene: the share of sky in what it sees.
     pub sky: f64,
-    /// With how much deeper the sky looks under more contrast, K.
-    pub by_deepening: f64,
+    /// With how much is averaged in radiance, K.
+    pub by_radiance: f64,
     /// With the spread of the field of view, K.
     pub by_spread: f64,
     /// With how far the horizon leans up to north and to west, K/rad.
@@ -56,10 +52,10 @@ pub struct Scene {
     pub ground_c: f64,
     /// A vertical pair's signal, K.
     pub contrast_k: f64,
-    /// The logarithm of the sky's depth, as [`Family`] counts it, under next to no contrast.
+    /// The logarithm of the sky's depth, as [`Family`] counts it.
     pub ln_depth: f64,
-    /// How much that grows by to [`RADIANCE_K`] of contrast: it looks so to sensors that average radiance.
-    pub deepening: f64,
+    /// How much of what they see the sensors average in radiance, 0..1: the rest in temperature.
+    pub radiance: f64,
     /// How much wider the sensors see than they are said to, as [`Family`] counts it.
     pub spread: f64,
     /// How far the horizon that is seen leans up to north and to west, where it is warmer, rad.
@@ -108,9 +104,8 @@ impl Model {
         let up = unit(up).unwrap_or(axes[2]);
         let sine = dot(direction, up);
         let share = scene.contrast_k / RADIANCE_K;
-        let averaged = AVERAGED * share;
-        let ln_depth = scene.ln_depth + scene.deepening * share;
-        let level = |sine: f64| self.family.level(sine, ln_depth, averaged, scene.spread);
+        let averaged = scene.radiance * share;
+        let level = |sine: f64| self.family.level(sine, scene.ln_depth, averaged, scene.spread);
         let high = level(sine);
         // What the level adds to a reading, times the contrast: a sensor shows what the sky is less than the ground.
         let (sign, ground_c, by_ground, sky, level) = match kind {
@@ -121,20 +116,21 @@ impl Model {
                     value: high.value - low.value,
                     by_sine: high.by_sine + low.by_sine,
                     by_ln_depth: high.by_ln_depth - low.by_ln_depth,
+                    by_radiance: high.by_radiance - low.by_radiance,
                     by_spread: high.by_spread - low.by_spread,
                 };
                 (1.0, 0.0, 0.0, 1.4, pair)
             }
         };
         let by_level = sign * scene.contrast_k;
-        let (slope, by_depth) = (by_level * level.by_sine, by_level * level.by_ln_depth);
+        let slope = by_level * level.by_sine;
         Seen {
             value: ground_c + by_level * level.value,
             by_turn: cross(direction, up.map(|c| slope * c)),
             by_ground,
-            by_contrast: sign * (level.value + share * scene.deepening * level.by_ln_depth),
-            by_depth,
-            by_deepening: share * by_depth,
+            by_contrast: sign * (level.value + averaged * level.by_radiance),
+            by_depth: by_level * level.by_ln_depth,
+            by_radiance: share * by_level * level.by_radiance,
             sky,
             by_spread: by_level * level.by_spread,
             by_lean: [north, west].map(|axis| -slope * dot(direction, *axis)),
@@ -148,7 +144,7 @@ mod tests {
     use crate::estimator::vector::rotation;
 
     const SKY: Scene =
-        Scene { ground_c: 15.0, contrast_k: 35.0, ln_depth: -1.1, deepening: 0.3, spread: 0.2, lean: [0.0; 2] };
+        Scene { ground_c: 15.0, contrast_k: 35.0, ln_depth: -1.1, radiance: 0.3, spread: 0.2, lean: [0.0; 2] };
 
     /// Each slope is what a small step changes, of sensors that show their own temperature and of pairs.
     #[test]
@@ -159,12 +155,11 @@ mod tests {
         head.sensors.iter_mut().take(3).for_each(|s| s.kind = pair);
         let model = Model::new(&head, FieldOfView::Gaussian { fwhm_deg: 90.0 });
         type Slope = (&'static str, fn(&Seen) -> f64, fn(&mut Scene, f64), f64);
-        // Of the contrast, what averaging in radiance adds with more of it is left out.
         let slopes: [Slope; 7] = [
             ("ground", |s| s.by_ground, |s, h| s.ground_c += h, 1e-6),
             ("contrast", |s| s.by_contrast, |s, h| s.contrast_k += h, 0.01),
             ("depth", |s| s.by_depth, |s, h| s.ln_depth += h, 1e-3),
-            ("deepening", |s| s.by_deepening, |s, h| s.deepening += h, 1e-3),
+            ("radiance", |s| s.by_radiance, |s, h| s.radiance += h, 1e-3),
             ("spread", |s| s.by_spread, |s, h| s.spread += h, 1e-3),
             ("lean to north", |s| s.by_lean[0], |s, h| s.lean[0] += h, 1e-3),
             ("lean to west", |s| s.by_lean[1], |s, h| s.lean[1] += h, 1e-3),

@@ -2,7 +2,7 @@
 
 use super::model::{Model, Scene};
 use super::state::{
-    CONTRAST, DEEPENING, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RATE, SEEN, SPAN_K, SPREAD, State, TURN,
+    CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SPAN_K, SPREAD, State, TURN,
 };
 use super::tuning::Tuning;
 use crate::estimator::flying::G_M_S2;
@@ -198,7 +198,7 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
             (GROUND, s.by_ground),
             (CONTRAST, s.by_contrast),
             (DEPTH, s.by_depth),
-            (DEEPENING, s.by_deepening),
+            (RADIANCE, s.by_radiance),
             (SPREAD, s.by_spread),
             (LEAN, north),
             (LEAN + 1, west),
@@ -235,7 +235,7 @@ pub fn scene(state: &State) -> Scene {
         ground_c: state.x[GROUND],
         contrast_k: state.x[CONTRAST],
         ln_depth: state.x[DEPTH],
-        deepening: state.x[DEEPENING],
+        radiance: state.x[RADIANCE],
         spread: state.x[SPREAD],
         lean: [state.x[LEAN], state.x[LEAN + 1]],
     }

@@ -54,7 +54,7 @@ pub fn start(model: &Model, readings: &[Option<f64>; MAX_SENSORS], needed: usize
         ground_c,
         contrast_k: sign * contrast_k,
         ln_depth: depth.0,
-        deepening: 0.0,
+        radiance: tuning.radiance.0,
         spread: 0.0,
         lean: [0.0; 2],
     };

@@ -24,9 +24,8 @@ pub const OFFSET: usize = 11;
 pub const LAG: usize = 13;
 /// How much wider the sensors see than they are said to, as [`Family`](crate::sky::family::Family) counts it.
 pub const SPREAD: usize = 14;
-/// How much deeper, as a logarithm, the sky looks under [`RADIANCE_K`](crate::sky::family::RADIANCE_K) of contrast than under
-/// next to none.
-pub const DEEPENING: usize = 15;
+/// How much of what they see the sensors average in radiance: 0 none of it, and all in temperature, 1 all of it.
+pub const RADIANCE: usize = 15;
 /// What each sensor shows, lag included; then each sensor's own scene; then what each shows too much wherever it looks;
 /// then what it shows too much of the sky.
 pub const SEEN: usize = 16;
@@ -121,12 +120,7 @@ impl State {
 
     /// The variance of `h·x`.
     pub fn variance_of(&self, h: &[(usize, f64)]) -> f64 {
-        self.covariance_of(h, h)
-    }
-
-    /// The covariance of `g·x` and `h·x`.
-    pub fn covariance_of(&self, g: &[(usize, f64)], h: &[(usize, f64)]) -> f64 {
-        g.iter().map(|(i, a)| a * h.iter().map(|(j, b)| b * self.p[*i][*j]).sum::<f64>()).sum()
+        h.iter().map(|(i, a)| a * h.iter().map(|(j, b)| b * self.p[*i][*j]).sum::<f64>()).sum()
     }
 
     /// Takes in a reading of state `i`. Nothing is learnt from it of how the horizon leans: that looks like an attitude,

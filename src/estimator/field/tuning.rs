@@ -29,9 +29,8 @@ pub struct Tuning {
     /// The logarithm of the sky's optical depth, as [`Family`](crate::sky::family::Family) counts it: mean, standard
     /// deviation, walk.
     pub depth: (f64, f64, f64),
-    /// How much deeper, by that logarithm, the sky looks under [`RADIANCE_K`](crate::sky::family::RADIANCE_K) of contrast than
-    /// under next to none: standard deviation. To sensors that average radiance it does, by about 0.5.
-    pub deepening: f64,
+    /// How much of what they see the sensors average in radiance, the rest in temperature: mean, standard deviation.
+    pub radiance: (f64, f64),
     /// How much wider the sensors see than they are said to, as [`Family`](crate::sky::family::Family) counts it: standard
     /// deviation.
     pub spread: f64,
@@ -91,7 +90,7 @@ impl Default for Tuning {
             ground_walk: 0.1,
             contrast: (0.02, 5.0),
             depth: (-1.2, 0.8, 0.005),
-            deepening: 0.24,
+            radiance: (0.3, 0.5),
             spread: 0.4,
             lean: (deg(0.05), deg(0.0022)),
             lean_share: 0.006,
