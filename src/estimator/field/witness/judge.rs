@@ -17,6 +17,8 @@ const LEVEL: f64 = 0.7;
 /// one, from this sum on, one of them is heard if it is less suspect by so much.
 const SURELY: f64 = 40.0;
 const NEARLY: f64 = 2.0;
+/// More sensors than so many, each with such a share of what the most suspect one surprises by, are no sensor's matter.
+const COMMON: (usize, f64) = (3, 0.5);
 /// As many sensors can be doubted at once; more are no sensors' matter.
 const DOUBTED: usize = 2;
 
@@ -40,7 +42,10 @@ impl Witnesses {
         // Once one is suspect all are as surprising that might be the cause as well.
         let most = cases.iter().filter(|c| c.is_suspect()).map(|c| c.surprise).reduce(f64::max);
         let most = most.unwrap_or(f64::INFINITY);
-        let enough = enough && self.elsewhere() < most - AHEAD;
+        // Where not to hear any of several is worth as much, the witness who hears all has lost its way: at a wall, in a valley.
+        let worth = |c: &&Case| c.standing != Standing::LeftOut && c.surprise > COMMON.1 * most;
+        let common = cases.iter().filter(worth).count() > COMMON.0;
+        let enough = enough && !common && self.elsewhere() < most - AHEAD;
         let plausible = |c: &Case| enough && c.standing != Standing::LeftOut && c.surprise > most - AHEAD;
         let cases = &mut self.cases[..n];
         let count = cases.iter().filter(|c| plausible(c)).count();

@@ -117,6 +117,19 @@ fn one_that_goes_its_own_way_is_left_out_alone_and_told_what_it_should_show() {
     }
 }
 
+/// Walls on both sides, one of them nearer, that close ahead: four sensors show too much of what none of them is to blame for.
+#[test]
+fn where_many_are_as_suspect_none_is_left_out() {
+    let mut court = Court::of(6, false);
+    court.hear(10.0, |_| {});
+    let valley = |readings: &mut Readings| {
+        for (i, more_k) in [(0, 3.0), (2, 6.0), (3, 2.0), (4, 2.0)] {
+            off(&[i], more_k)(readings);
+        }
+    };
+    assert_eq!(court.hear(8.0, valley), [0; 0]);
+}
+
 /// This sensor is under a film at 24 °C, K above the mean.
 fn under_a_film(i: usize) -> impl Fn(&mut Readings) {
     move |readings| readings[i] = readings[i].map(|k| 0.92 * 24.0 + 0.08 * k)
