@@ -9,8 +9,6 @@ use crate::time::Time;
 const UP: f64 = 0.5;
 /// One that was not heard for longer is missing, s.
 const MISSING_S: f64 = 1.0;
-/// Nothing is averaged in radiance, or everything.
-const BOUNDS: (f64, f64) = (0.0, 1.0);
 
 impl FieldEstimator {
     /// Takes it for certain while it cannot be told. Without a gyro, and without a sensor that looks up, it is learnt from what
@@ -29,11 +27,6 @@ impl FieldEstimator {
             self.averaging = None;
             self.state.set_variance(RADIANCE, variance);
         }
-    }
-
-    /// Keeps it to what can be.
-    pub(super) fn bound_averaging(&mut self) {
-        self.state.bound(RADIANCE, BOUNDS);
     }
 }
 

@@ -13,6 +13,8 @@ const OUTLIER: f64 = 20.0;
 const GLITCH_S: f64 = 0.3;
 /// The spread of the field of view may be so much: it stands for a sky of another shape, too, but not for a wall.
 const WIDEST: f64 = 2.0;
+/// Nothing is averaged in radiance, or everything.
+const AVERAGED: (f64, f64) = (0.0, 1.0);
 /// Over this time the misfit is averaged, s.
 const MISFIT_S: f64 = 0.5;
 /// So many times the expected misfit and the filter is lost; with a gyro, that is what is wrong.
@@ -104,7 +106,7 @@ impl FieldEstimator {
             self.state.read(SEEN + i, innovation, variance);
         }
         self.state.bound(DEPTH, LN_DEPTH);
-        self.bound_averaging();
+        self.state.bound(RADIANCE, AVERAGED);
         self.state.bound(SPREAD, (-WIDEST, WIDEST));
         self.state.settle();
         if count > 1.0 {

@@ -99,7 +99,7 @@ impl Directions {
         let along = self.shape.map(|shape| dot(&rest, &shape));
         let mut sure = rest;
         for (gain, shape) in self.gain.iter().zip(&self.shape) {
-            let share = scalar(gain, &along);
+            let share = dot(gain, &along);
             sure.iter_mut().zip(shape).for_each(|(r, s)| *r -= share * s);
         }
         if dimensions > 1 { ([rest, sure], dimensions as f64) } else { ([sure; 2], dimensions as f64 - self.unsure) }
@@ -111,19 +111,15 @@ impl Directions {
 fn gain(patterns: &[Pattern; SHAPE], covariance: [[f64; SHAPE]; SHAPE]) -> ([[f64; SHAPE]; SHAPE], f64) {
     let products = patterns.map(|a| patterns.map(|b| dot(&a, &b)));
     // Both are symmetric: covariance · (products · covariance + noise)⁻¹, row by row.
-    let mut matrix = covariance.map(|row| products.map(|column| scalar(&row, &column)));
+    let mut matrix = covariance.map(|row| products.map(|column| dot(&row, &column)));
     (0..SHAPE).for_each(|k| matrix[k][k] += UNLIKE_K.0 * UNLIKE_K.0);
     let gain = covariance.map(|row| solve(matrix, row).unwrap_or_default());
-    let explained: f64 = gain.iter().zip(&products).map(|(g, p)| scalar(g, p)).sum();
+    let explained: f64 = gain.iter().zip(&products).map(|(g, p)| dot(g, p)).sum();
     (gain, explained.clamp(0.0, SHAPE as f64))
 }
 
-fn scalar(a: &[f64; SHAPE], b: &[f64; SHAPE]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// The scalar product of two patterns.
-pub fn dot(a: &Pattern, b: &Pattern) -> f64 {
+/// The scalar product, of two patterns or of what belongs to the sky's shape.
+pub fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
