@@ -3,31 +3,36 @@
 //! Each is taken as a measurement whose errors last, so that it weighs little at any moment; what it says
 //! beyond the thermopiles for long is an offset state of its own. None is needed.
 
+use super::lean;
+use super::reference_noise::ReferenceNoise;
 use super::state::{OFFSET, RATE, State, TURN};
 use super::tuning::Tuning;
 use crate::estimator::flying::{G_M_S2, Held, flying, keep, speed, wrapped};
+use crate::estimator::references::References;
 use crate::estimator::vector::{Vector, cross};
 use crate::frame::Aiding;
 use crate::time::Time;
-use std::f64::consts::PI;
 
-/// Courses this far apart tell how fast it turns, s.
-const SPAN_S: std::ops::Range<f64> = 0.8..2.5;
 /// A measurement farther from its prediction than this many standard deviations is none.
 const GATE: f64 = 4.0;
 
 /// After so long without them they tell nothing any more, s.
 const SILENT_S: f64 = 10.0;
 
-/// The last that was heard of each.
+/// An airspeed is off by this share: its calibration, and the density of the air.
+const AIRSPEED_SHARE: f64 = 0.05;
+
+/// The last that was heard of each, and how much each is off.
 #[derive(Clone, Debug, Default)]
 pub struct Aid {
     heard: Option<Time>,
+    references: References,
     airspeed: Held,
     ground_speed: Held,
-    course: Held,
     heading: Option<Time>,
-    climb: Option<Time>,
+    by_rate: ReferenceNoise,
+    by_course: ReferenceNoise,
+    by_climb: ReferenceNoise,
 }
 
 impl Aid {
@@ -47,41 +52,39 @@ impl Aid {
     ) {
         keep(&mut self.airspeed, speed(aiding.airspeed_m_s), now);
         keep(&mut self.ground_speed, speed(aiding.ground_speed_m_s), now);
-        let ground_speed = flying(self.ground_speed, now);
-        let Some(speed) = flying(self.airspeed, now).or(ground_speed) else { return };
+        let (airspeed, ground_speed) = (flying(self.airspeed, now), flying(self.ground_speed, now));
+        let up = state.vertical();
+        let heard = self.references.hear(aiding, up[1].atan2(up[2]), now);
+        if airspeed.or(ground_speed).is_none() {
+            return;
+        }
         self.heard = Some(now);
-        let course = aiding.course_deg.filter(|c| c.abs() <= 360.0).map(f64::to_radians);
-        let turning = course.zip(ground_speed).and_then(|(course, _)| {
+        if let Some(course) = heard.course.filter(|_| aiding.course_deg.is_some() && ground_speed.is_some()) {
             self.heading(course, state, t, now);
-            self.turning(course, now)
-        });
-        if let Some(gyro) = gyro {
+        }
+        let up = state.vertical();
+        if let Some((gyro, speed)) = gyro.zip(airspeed) {
             // Without sideslip the weight's part along the wing turns the path: V·r = g·u_left.
             let bank = -speed * (gyro[2] + state.x[RATE + 2]) / G_M_S2;
-            measure(state, 1, (OFFSET, state.vertical()[2]), Some((RATE + 2, speed / G_M_S2)), bank, t.turn, dt_s);
-        } else if let Some((rate, span_s)) = turning {
-            let bank = (ground_speed.unwrap_or(speed) * rate / G_M_S2).atan().sin();
-            // Half of the span old, and without the airframe's own motion.
-            let errors = (2.0 * t.turn.0, t.turn.1);
-            measure(state, 1, (OFFSET, state.vertical()[2]), None, bank, errors, span_s);
+            let along = Along { component: 1, offset: up[2], rate: speed / G_M_S2 };
+            let sigma = t.turn.0.hypot(AIRSPEED_SHARE * bank);
+            measure(state, t, &along, (bank - up[1], (sigma, t.turn.1)), dt_s, &mut self.by_rate);
+        } else if let Some((bank, roll)) = heard.bank {
+            let along = Along { component: 1, offset: up[2], rate: 0.0 };
+            measure(
+                state,
+                t,
+                &along,
+                (up[2] * (bank.angle - roll), (bank.sigma, t.lasting.0)),
+                bank.span_s,
+                &mut self.by_course,
+            );
         }
-        if let Some(climb) = aiding.climb_m_s.filter(|c| c.abs() < speed) {
-            let span_s = self.climb.map_or(t.climb.1, |at| now.since(at));
-            self.climb = Some(now);
-            measure(state, 0, (OFFSET + 1, 1.0), None, climb / speed, t.climb, span_s);
+        if let Some(climb) = heard.climb {
+            let along = Along { component: 0, offset: 1.0, rate: 0.0 };
+            let errors = (climb.sigma, t.lasting.1);
+            measure(state, t, &along, (climb.angle.sin() - up[0], errors), climb.span_s, &mut self.by_climb);
         }
-    }
-
-    /// How fast the course turns, rad/s, and over which time that was seen, s.
-    fn turning(&mut self, course: f64, now: Time) -> Option<(f64, f64)> {
-        let (before, at) = *self.course.get_or_insert((course, now));
-        let span_s = now.since(at);
-        if (0.0..SPAN_S.start).contains(&span_s) {
-            return None;
-        }
-        self.course = Some((course, now));
-        let change = wrapped(course - before);
-        (SPAN_S.contains(&span_s) && change.abs() < PI / 2.0).then(|| (change / span_s, span_s))
     }
 
     /// On the average the nose looks along the course; wind puts it beside.
@@ -103,25 +106,41 @@ impl Aid {
     }
 }
 
-/// A measurement of one component of the vertical, with an offset state and perhaps another, `dt_s` after
-/// the last; its errors have a size and last for a time.
+/// What a reference measures: a component of the vertical, the share of its offset, the share of the rate about up.
+struct Along {
+    component: usize,
+    offset: f64,
+    rate: f64,
+}
+
+/// Takes in that a reference is `off` the attitude, `dt_s` after the last; its errors have a size and last for a time.
 fn measure(
     state: &mut State,
-    component: usize,
-    offset: (usize, f64),
-    other: Option<(usize, f64)>,
-    measured: f64,
-    errors: (f64, f64),
+    t: &Tuning,
+    along: &Along,
+    (off, errors): (f64, (f64, f64)),
     dt_s: f64,
+    noise: &mut ReferenceNoise,
 ) {
     let up = state.vertical();
-    let by_turn = |k: usize| cross(up, std::array::from_fn(|i| f64::from(u8::from(i == k))))[component];
-    let other = other.unwrap_or((RATE, 0.0));
-    let h = [(TURN, by_turn(0)), (TURN + 1, by_turn(1)), (TURN + 2, by_turn(2)), offset, other];
-    let innovation = measured - up[component] - offset.1 * state.x[offset.0];
-    let expected = state.variance_of(&h) + errors.0 * errors.0;
+    let k = along.component;
+    let by_turn = |i: usize| cross(up, std::array::from_fn(|j| f64::from(u8::from(i == j))))[k];
+    let offset = OFFSET + 1 - k;
+    let h = [
+        (TURN, by_turn(0)),
+        (TURN + 1, by_turn(1)),
+        (TURN + 2, by_turn(2)),
+        (offset, along.offset),
+        (RATE + 2, along.rate),
+    ];
+    let innovation = off - along.offset * state.x[offset];
+    let size = noise.size();
+    let known = state.variance_of(&h);
+    let expected = known + size.max(1.0) * errors.0 * errors.0;
     if innovation * innovation < GATE * GATE * expected {
-        state.correct(&h, innovation, lasting(errors, dt_s));
+        let leaning = || lean::unexpected(state, t.unlike_lean)[1 - k];
+        noise.hear(innovation, 2.0 * errors.1 * errors.0 * errors.0, dt_s, || known + leaning());
+        state.correct(&h, innovation, size * lasting(errors, dt_s));
         state.settle();
     }
 }

@@ -14,6 +14,7 @@
 //! - `averaging`: how much the sensors average in radiance; `calibration`: sensors that are off; `expected`: states of which
 //!   more is expected later;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
+//!   `reference_noise`: how much these are off;
 //! - `unheard`: what a sensor left out might have been right about;
 //! - `output`: angles and standard deviations.
 
@@ -34,6 +35,7 @@ mod model;
 mod noise;
 mod output;
 mod predict;
+mod reference_noise;
 mod scene;
 mod start;
 mod state;

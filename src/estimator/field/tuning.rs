@@ -66,10 +66,11 @@ pub struct Tuning {
     pub scene_learning_s: (f64, f64),
     /// Bank and pitch offsets against the slow references: at first and their walk.
     pub offset: (f64, f64),
-    /// The sine of the bank by coordinated turns: its error and how long that lasts.
+    /// The bank by airspeed and yaw rate: its error and how long that lasts, until more is known.
     pub turn: (f64, f64),
-    /// The sine of the pitch by the climb: its error and how long that lasts.
-    pub climb: (f64, f64),
+    /// How long errors of a bank by the course, and of an angle of climb, last until more is known; how large they are [the
+    /// references](crate::estimator::references) tell.
+    pub lasting: (f64, f64),
     /// The nose against the course: its error and how long that lasts.
     pub heading: (f64, f64),
 }
@@ -108,7 +109,7 @@ impl Default for Tuning {
             scene_learning_s: (2.0, 8.0),
             offset: (deg(6.0), deg(0.02)),
             turn: (deg(3.0), 1.0),
-            climb: (deg(2.0), 1.0),
+            lasting: (1.0, 2.0),
             heading: (deg(15.0), 20.0),
         }
     }

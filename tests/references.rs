@@ -1,0 +1,51 @@
+//! Slow references as small aircraft have them: no airspeed in a wind, a slack tail, air that rises and sinks. They must
+//! never pull a good attitude away, whatever else they are good for.
+
+mod field;
+mod flights;
+
+use field::field;
+use flights::{Flown, hear, said, score};
+use irhorizon::simulation::Scenario;
+use irhorizon::simulation::aircraft::Aircraft;
+use irhorizon::simulation::instruments::Fitted;
+
+const FLIGHTS: u64 = 8;
+
+/// Without airspeed; with a heading that lags the turn and yaws about it; in air that rises and sinks by 1.2 m/s rms; all.
+const WORSE: [(&str, [bool; 3]); 4] = [
+    ("no airspeed", [true, false, false]),
+    ("uncoordinated", [false, true, false]),
+    ("updraughts", [false, false, true]),
+    ("all of these", [true, true, true]),
+];
+
+/// Flies `scene` with each of [`WORSE`]; no rms beyond `rms_deg`, and within 2σ at least `percent`.
+fn flown(scene: &str, rms_deg: f64, percent: f64) {
+    for (what, [blind, uncoordinated, updraughts]) in WORSE {
+        let updraught_m_s = if updraughts { 1.2 } else { 0.4 };
+        let aircraft = Aircraft { wind_m_s: [3.0, -4.0], uncoordinated, updraught_m_s, ..Aircraft::default() };
+        let fitted = Fitted { airspeed: !blind, ..Fitted::default() };
+        let scenario = Scenario::named(scene).unwrap().with_aircraft(aircraft).with_instruments(Some(fitted));
+        let flights = Flown::all(&scenario, FLIGHTS);
+        let score = score(&flights, hear(true), || said(field(&scenario.head(), 0.1)));
+        let [roll, pitch] = [score.roll_rms_deg, score.pitch_rms_deg].map(|v| v.unwrap());
+        let covered = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap());
+        println!("{scene}, {what}: {roll:.3} / {pitch:.3}; 2 sigma {covered:.1?} %");
+        assert_eq!(score.withheld_percent, Some(0.0), "{scene}, {what}");
+        assert!(roll <= rms_deg && pitch <= rms_deg, "{scene}, {what}: {roll} / {pitch}");
+        assert!(covered.iter().all(|c| *c >= percent), "{scene}, {what}: {covered:?}");
+    }
+}
+
+/// As with the best of instruments.
+#[test]
+fn none_pulls_a_good_attitude_away() {
+    flown("clear-dry", 0.1, 92.0);
+}
+
+/// What they tell is told more slowly.
+#[test]
+fn a_leaning_horizon_is_found_all_the_same() {
+    flown("warm-slope", 1.3, 90.0);
+}
