@@ -44,6 +44,10 @@ pub struct Heard {
     pub climb: Option<Angle>,
     /// The course, rad; `None` while there is none.
     pub course: Option<f64>,
+    /// The airspeed of something that flies, m/s; `None` while there is none.
+    pub airspeed_m_s: Option<f64>,
+    /// Its ground speed, m/s; `None` while there is none.
+    pub ground_speed_m_s: Option<f64>,
 }
 
 /// From one course to the next, with the estimated roll in between.
@@ -75,11 +79,14 @@ impl References {
         keep(&mut self.ground_speed, speed(aiding.ground_speed_m_s), now);
         keep(&mut self.course, course, now);
         let ground_speed = flying(self.ground_speed, now);
-        let speed = flying(self.airspeed, now).map(|v| (v, AIRSPEED_SHARE)).or(ground_speed.map(|v| (v, WIND_SHARE)));
+        let airspeed = flying(self.airspeed, now);
+        let speed = airspeed.map(|v| (v, AIRSPEED_SHARE)).or(ground_speed.map(|v| (v, WIND_SHARE)));
         Heard {
             bank: self.bank(course, ground_speed, roll, now),
             climb: self.climb(aiding.climb_m_s, speed, now),
             course: fresh(self.course, now),
+            airspeed_m_s: airspeed,
+            ground_speed_m_s: ground_speed,
         }
     }
 

@@ -7,7 +7,7 @@ use super::lean;
 use super::reference_noise::ReferenceNoise;
 use super::state::{OFFSET, RATE, State, TURN};
 use super::tuning::Tuning;
-use crate::estimator::flying::{G_M_S2, Held, flying, keep, speed, wrapped};
+use crate::estimator::flying::{G_M_S2, wrapped};
 use crate::estimator::references::References;
 use crate::estimator::vector::{Vector, cross};
 use crate::frame::Aiding;
@@ -27,8 +27,6 @@ const AIRSPEED_SHARE: f64 = 0.05;
 pub struct Aid {
     heard: Option<Time>,
     references: References,
-    airspeed: Held,
-    ground_speed: Held,
     heading: Option<Time>,
     by_rate: ReferenceNoise,
     by_course: ReferenceNoise,
@@ -50,40 +48,31 @@ impl Aid {
         (now, dt_s): (Time, f64),
         gyro: Option<Vector>,
     ) {
-        keep(&mut self.airspeed, speed(aiding.airspeed_m_s), now);
-        keep(&mut self.ground_speed, speed(aiding.ground_speed_m_s), now);
-        let (airspeed, ground_speed) = (flying(self.airspeed, now), flying(self.ground_speed, now));
         let up = state.vertical();
         let heard = self.references.hear(aiding, up[1].atan2(up[2]), now);
-        if airspeed.or(ground_speed).is_none() {
+        if heard.airspeed_m_s.or(heard.ground_speed_m_s).is_none() {
             return;
         }
         self.heard = Some(now);
-        if let Some(course) = heard.course.filter(|_| aiding.course_deg.is_some() && ground_speed.is_some()) {
+        if let (Some(course), Some(_), Some(_)) = (heard.course, heard.ground_speed_m_s, aiding.course_deg) {
             self.heading(course, state, t, now);
         }
         let up = state.vertical();
-        if let Some((gyro, speed)) = gyro.zip(airspeed) {
+        if let Some((gyro, speed)) = gyro.zip(heard.airspeed_m_s) {
             // Without sideslip the weight's part along the wing turns the path: V·r = g·u_left.
             let bank = -speed * (gyro[2] + state.x[RATE + 2]) / G_M_S2;
-            let along = Along { component: 1, offset: up[2], rate: speed / G_M_S2 };
-            let sigma = t.turn.0.hypot(AIRSPEED_SHARE * bank);
-            measure(state, t, &along, (bank - up[1], (sigma, t.turn.1)), dt_s, &mut self.by_rate);
+            let errors = (t.turn.0.hypot(AIRSPEED_SHARE * bank), t.turn.1);
+            let said = Said { component: 1, offset: up[2], rate: speed / G_M_S2, off: bank - up[1], errors, dt_s };
+            measure(state, t, &said, &mut self.by_rate);
         } else if let Some((bank, roll)) = heard.bank {
-            let along = Along { component: 1, offset: up[2], rate: 0.0 };
-            measure(
-                state,
-                t,
-                &along,
-                (up[2] * (bank.angle - roll), (bank.sigma, t.lasting.0)),
-                bank.span_s,
-                &mut self.by_course,
-            );
+            let (off, errors) = (up[2] * (bank.angle - roll), (bank.sigma, t.lasting.0));
+            let said = Said { component: 1, offset: up[2], rate: 0.0, off, errors, dt_s: bank.span_s };
+            measure(state, t, &said, &mut self.by_course);
         }
         if let Some(climb) = heard.climb {
-            let along = Along { component: 0, offset: 1.0, rate: 0.0 };
-            let errors = (climb.sigma, t.lasting.1);
-            measure(state, t, &along, (climb.angle.sin() - up[0], errors), climb.span_s, &mut self.by_climb);
+            let (off, errors) = (climb.angle.sin() - up[0], (climb.sigma, t.lasting.1));
+            let said = Said { component: 0, offset: 1.0, rate: 0.0, off, errors, dt_s: climb.span_s };
+            measure(state, t, &said, &mut self.by_climb);
         }
     }
 
@@ -106,41 +95,32 @@ impl Aid {
     }
 }
 
-/// What a reference measures: a component of the vertical, the share of its offset, the share of the rate about up.
-struct Along {
+/// What a reference says of a component of the vertical.
+struct Said {
     component: usize,
+    /// The share of its offset in it, and that of the rate about up, s.
     offset: f64,
     rate: f64,
+    /// How far it is off the attitude.
+    off: f64,
+    /// How large its errors are and for how long they last, s.
+    errors: (f64, f64),
+    /// How long after the last.
+    dt_s: f64,
 }
 
-/// Takes in that a reference is `off` the attitude, `dt_s` after the last; its errors have a size and last for a time.
-fn measure(
-    state: &mut State,
-    t: &Tuning,
-    along: &Along,
-    (off, errors): (f64, (f64, f64)),
-    dt_s: f64,
-    noise: &mut ReferenceNoise,
-) {
-    let up = state.vertical();
-    let k = along.component;
+/// Takes in what a reference says, and how noisy it is.
+fn measure(state: &mut State, t: &Tuning, said: &Said, noise: &mut ReferenceNoise) {
+    let (up, k, (sigma, time_s)) = (state.vertical(), said.component, said.errors);
     let by_turn = |i: usize| cross(up, std::array::from_fn(|j| f64::from(u8::from(i == j))))[k];
-    let offset = OFFSET + 1 - k;
-    let h = [
-        (TURN, by_turn(0)),
-        (TURN + 1, by_turn(1)),
-        (TURN + 2, by_turn(2)),
-        (offset, along.offset),
-        (RATE + 2, along.rate),
-    ];
-    let innovation = off - along.offset * state.x[offset];
-    let size = noise.size();
-    let known = state.variance_of(&h);
-    let expected = known + size.max(1.0) * errors.0 * errors.0;
-    if innovation * innovation < GATE * GATE * expected {
+    let offset = (OFFSET + 1 - k, said.offset);
+    let h = [(TURN, by_turn(0)), (TURN + 1, by_turn(1)), (TURN + 2, by_turn(2)), offset, (RATE + 2, said.rate)];
+    let innovation = said.off - said.offset * state.x[offset.0];
+    let (size, known) = (noise.size(), state.variance_of(&h));
+    if innovation * innovation < GATE * GATE * (known + size.max(1.0) * sigma * sigma) {
         let leaning = || lean::unexpected(state, t.unlike_lean)[1 - k];
-        noise.hear(innovation, 2.0 * errors.1 * errors.0 * errors.0, dt_s, || known + leaning());
-        state.correct(&h, innovation, size * lasting(errors, dt_s));
+        noise.hear(innovation, 2.0 * time_s * sigma * sigma, said.dt_s, || known + leaning());
+        state.correct(&h, innovation, size * lasting(said.errors, said.dt_s));
         state.settle();
     }
 }
