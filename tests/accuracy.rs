@@ -100,8 +100,8 @@ const KNOWN: [(&str, &str, f64); 25] = [
     ("scattered without aiding", "roll rms", 2.45),
     ("scattered without aiding", "underestimated p99", 4.50),
     ("warm-slope with rates and GPS", "underestimated p99", 2.30),
-    ("without nose, with rates and GPS", "pitch rms", 1.64),
-    ("without tail, with rates and GPS", "pitch rms", 1.60),
+    ("without nose, with rates and GPS", "pitch rms", 1.70),
+    ("without tail, with rates and GPS", "pitch rms", 1.69),
     ("clear-dry with rates and GPS", "2 sigma", 98.00),
     ("clear-dry radiance with rates and GPS", "2 sigma", 98.00),
     ("clear-humid with rates and GPS", "2 sigma", 98.00),
@@ -288,17 +288,26 @@ fn askew(deg: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
 
 #[test]
 fn a_scale_that_is_off_by_2_percent() {
-    with_rates("clear-dry", |rates| rates.map(|r| 1.02 * r), ([0.2, 0.15], 85.0));
+    with_rates("clear-dry", |rates| rates.map(|r| 1.02 * r), ([0.12, 0.1], 92.0));
 }
 
 #[test]
 fn axes_that_are_1_degree_askew() {
-    with_rates("clear-dry", askew(1.0), ([0.2, 0.2], 92.0));
+    with_rates("clear-dry", askew(1.0), ([0.08, 0.08], 92.0));
 }
 
 #[test]
 fn axes_that_are_1_degree_askew_under_an_overcast() {
-    with_rates("overcast", askew(1.0), ([0.45, 0.45], 79.0));
+    with_rates("overcast", askew(1.0), ([0.2, 0.2], 92.0));
+}
+
+/// As far as two boxes are askew that nobody has aligned. A horizon that leans must not be taken for it, nor it for that.
+#[test]
+fn axes_that_are_3_degrees_askew() {
+    with_rates("clear-dry", askew(3.0), ([0.1, 0.1], 92.0));
+    with_rates("overcast", askew(3.0), ([0.2, 0.2], 92.0));
+    with_rates("scattered", askew(3.0), ([0.95, 1.1], 92.0));
+    with_rates("warm-slope", askew(3.0), ([0.85, 0.85], 92.0));
 }
 
 #[test]
@@ -343,5 +352,5 @@ fn rates_that_are_10_ms_late() {
         let before = before.replace(rates);
         std::array::from_fn(|i| 0.5 * (before[i] + rates[i]))
     };
-    with_rates("clear-dry", late, ([0.2, 0.15], 80.0));
+    with_rates("clear-dry", late, ([0.12, 0.1], 92.0));
 }

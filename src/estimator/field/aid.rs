@@ -4,6 +4,7 @@
 //! beyond the thermopiles for long is an offset state of its own. None is needed.
 
 use super::lean;
+use super::predict::rates;
 use super::reference_noise::ReferenceNoise;
 use super::state::{OFFSET, RATE, State, TURN};
 use super::tuning::Tuning;
@@ -60,7 +61,7 @@ impl Aid {
         let up = state.vertical();
         if let Some((gyro, speed)) = gyro.zip(heard.airspeed_m_s) {
             // Without sideslip the weight's part along the wing turns the path: V·r = g·u_left.
-            let bank = -speed * (gyro[2] + state.x[RATE + 2]) / G_M_S2;
+            let bank = -speed * rates(state, t, Some(gyro))[2] / G_M_S2;
             let errors = (t.turn.0.hypot(AIRSPEED_SHARE * bank), t.turn.1);
             let said = Said { component: 1, offset: up[2], rate: speed / G_M_S2, off: bank - up[1], errors, dt_s };
             measure(state, t, &said, &mut self.by_rate);

@@ -39,7 +39,7 @@ impl FieldEstimator {
         self.aid = Aid::default();
         self.misfit = Misfit::default();
         self.averaging = None;
-        (self.unlike, self.tilted, self.found_s, self.off_s) = (false, false, 0.0, 0.0);
+        (self.unlike, self.tilted, self.found_s, self.off_s, self.askew_s) = (false, false, 0.0, 0.0, 0.0);
         let lately = self.scene.lately_unlike();
         (self.rates, self.gyro_errors, self.contrast, self.scene) = paces(&t);
         self.scene.begin(t.scene.0 * (start.scene.contrast_k.abs() / 35.0).min(1.0), lately);
@@ -91,6 +91,7 @@ impl FieldEstimator {
         self.turned = 0.0;
         s.x[LAG] = 0.0;
         s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });
+        self.set_askew();
         self.set_errors();
     }
 }

@@ -1,11 +1,10 @@
 //! Which readings are heard: new ones, of sensors that nothing speaks against.
 
-use super::predict::{Pace, correction, scene};
+use super::predict::{Pace, rates, scene};
 use super::state::{LAG, MAX_SENSORS};
 use super::stuck::Stuck;
 use super::witness::Known;
 use super::{FieldEstimator, GAP_S};
-use crate::estimator::vector::add_scaled;
 use crate::estimator::{Hearing, Standing};
 use crate::frame::Frame;
 use crate::time::Time;
@@ -71,7 +70,7 @@ impl FieldEstimator {
             axes: s.axes,
             sky: scene(s),
             pace,
-            gyro: self.gyro.rates().map(|rates| add_scaled(rates, 1.0, correction(s))),
+            gyro: self.gyro.rates().map(|gyro| rates(s, &self.tuning, Some(gyro))),
             noise_k: self.noise.variance().sqrt(),
             lag_s: self.tuning.lag_s * s.x[LAG].clamp(-2.0, 2.0).exp(),
         };

@@ -13,12 +13,14 @@
 //!   horizon is expected to lean;
 //! - `averaging`: how much the sensors average in radiance; `calibration`: sensors that are off; `expected`: states of which
 //!   more is expected later;
-//! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `aid`: the slow references;
-//!   `reference_noise`: how much these are off;
+//! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `askew`: a gyro whose axes
+//!   are not the head's;
+//! - `aid`: the slow references; `reference_noise`: how much these are off;
 //! - `unheard`: what a sensor left out might have been right about;
 //! - `output`: angles and standard deviations.
 
 mod aid;
+mod askew;
 mod averaging;
 mod begin;
 mod calibration;
@@ -65,7 +67,7 @@ use correct::Misfit;
 use gyro::Gyro;
 use model::Model;
 use noise::NoiseLevel;
-use output::attitude;
+use output::{attitude, moving};
 use predict::{Pace, correction, predict, rates};
 use scene::SceneStrength;
 use state::{CONTRAST, State};
@@ -129,6 +131,8 @@ pub struct FieldEstimator {
     found_s: f64,
     /// For how long it has shown that the sensors are off, s.
     off_s: f64,
+    /// For how long it has shown that a gyro's axes are askew, s.
+    askew_s: f64,
     /// For how long what is seen has been against all that is known, s.
     lost_s: f64,
     /// The variance of how much is averaged in radiance, while that cannot be told.
@@ -177,6 +181,7 @@ impl FieldEstimator {
             told: false,
             found_s: 0.0,
             off_s: 0.0,
+            askew_s: 0.0,
             lost_s: 0.0,
             averaging: None,
             glitch_s: 0.0,
@@ -215,15 +220,14 @@ impl FieldEstimator {
             Attitude { roll: poor * roll, pitch: poor * own.pitch.hypot(doubt) }
         };
         let unheard = self.unheard(attitude);
+        let late = self.late();
         let leaning = self.unexpected_lean();
         // Angles are shown larger by the least doubt, that of the model: more of it, and what the aircraft does, may as
         // well be on the other side.
         let (guarded, sigma) = (doubted(at_rest, least_k), doubted(own, most_k));
-        let beside = |sigma: f64, a: f64, b: f64| sigma.hypot(a).hypot(b);
-        let sigma = Attitude {
-            roll: beside(sigma.roll, unheard.roll, leaning.roll),
-            pitch: beside(sigma.pitch, unheard.pitch, leaning.pitch),
-        };
+        let sigma = [unheard, leaning, late]
+            .iter()
+            .fold(sigma, |all, one| Attitude { roll: all.roll.hypot(one.roll), pitch: all.pitch.hypot(one.pitch) });
         attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);
         attitude.pitch = guard(attitude.pitch, guarded.pitch, std::f64::consts::FRAC_PI_2);
         Solution {
@@ -235,6 +239,14 @@ impl FieldEstimator {
             hidden: Some(self.hidden(self.scene.seen_k())),
             hint: self.hint(),
         }
+    }
+
+    /// How far the attitude may be off while it moves, rad: with a gyro's, it is that of the gyro's clock.
+    fn late(&self) -> Attitude {
+        self.gyro.rates().map_or_else(Attitude::default, |gyro| {
+            let Attitude { roll, pitch } = moving(&self.state, rates(&self.state, &self.tuning, Some(gyro)));
+            Attitude { roll: self.tuning.clock_s * roll, pitch: self.tuning.clock_s * pitch }
+        })
     }
 
     /// The tilt that scenes of so many K may hide, rad.
@@ -328,6 +340,7 @@ impl Estimator for FieldEstimator {
             self.consider_averaging(now);
             self.learn(&readings, dt_s);
             self.doubt(now, dt_s);
+            self.doubt_axes(dt_s);
             self.calibrate(dt_s);
         }
         self.correct(&readings, dt_s);

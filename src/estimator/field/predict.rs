@@ -1,5 +1,6 @@
 //! From one frame to the next: how the state moves, and what that leaves in doubt.
 
+use super::askew;
 use super::model::{Model, Scene};
 use super::state::{
     CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SPAN_K, SPREAD, State, TURN,
@@ -65,6 +66,10 @@ pub fn predict(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, gyro: Op
     let back = rotation(turn.map(|c| -c));
     let sensors = model.sensors();
     move_rows(state, &back, dt_s, rate_keep, scene_keep, sensors);
+    if let Some(gyro) = gyro {
+        askew::move_rows(state, dt_s, gyro);
+        askew::walk(state, t.askew.2, dt_s);
+    }
     for i in 0..3 {
         state.x[RATE + i] *= rate_keep;
     }
@@ -84,7 +89,10 @@ pub fn correction(state: &State) -> Vector {
 /// How fast the body turns, rad/s on (nose, left, up): by a gyro's rates, or by those that are part of the state.
 pub fn rates(state: &State, t: &Tuning, gyro: Option<Vector>) -> Vector {
     match gyro {
-        Some(gyro) => add_scaled(correction(state), 1.0, gyro),
+        Some(gyro) => {
+            let unshown = add_scaled(correction(state), 1.0, askew::unshown(state, gyro));
+            add_scaled(unshown, 1.0, gyro)
+        }
         // Nothing tells of the heading but the bank.
         None => add_scaled(correction(state), turning(state.vertical(), t.cruise_m_s), state.vertical()),
     }

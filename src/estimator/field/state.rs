@@ -26,9 +26,13 @@ pub const LAG: usize = 13;
 pub const SPREAD: usize = 14;
 /// How much of what they see the sensors average in radiance: 0 none of it, and all in temperature, 1 all of it.
 pub const RADIANCE: usize = 15;
+/// How far a gyro's axes are turned from the head's, rad about nose, left and up.
+pub const ASKEW: usize = 16;
+/// How much too little a gyro shows about each of these, as a multiple of a share that is as likely.
+pub const SCALE: usize = 19;
 /// What each sensor shows, lag included; then each sensor's own scene; then what each shows too much wherever it looks;
 /// then what it shows too much of the sky.
-pub const SEEN: usize = 16;
+pub const SEEN: usize = 22;
 
 /// A sensor's scale is expected to be off by so much that it adds as much as its constant error where the sky is so much
 /// colder than the ground, K.
@@ -52,6 +56,8 @@ pub struct State {
     pub p: [[f64; MAX]; MAX],
     /// The variance that each lean was expected to have, with what its walk has added, rad².
     pub lean2: f64,
+    /// The same of a gyro's axes, rad².
+    pub askew2: f64,
     /// The same of what each sensor shows too much, K²; zero while nothing is learnt of it.
     pub error2: f64,
     sensors: usize,
@@ -67,6 +73,7 @@ impl State {
             off: [0.0; MAX_SENSORS],
             p: [[0.0; MAX]; MAX],
             lean2: 0.0,
+            askew2: 0.0,
             error2: 0.0,
             sensors: sensors.min(MAX_SENSORS),
         }

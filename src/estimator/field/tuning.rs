@@ -22,6 +22,10 @@ pub struct Tuning {
     pub gyro_walk: (f64, f64),
     /// The gyro's bias at first and its walk, rad/s.
     pub bias: (f64, f64),
+    /// How far the gyro's axes are turned from the head's: expected at first, once it shows, and its walk.
+    pub askew: (f64, f64, f64),
+    /// How far the gyro's clock is from the sensors'.
+    pub clock_s: f64,
     /// The walk of the ground's temperature.
     pub ground_walk: f64,
     /// The walk of the contrast as a share of it, and how fast a larger one is learnt, 1/s.
@@ -88,6 +92,8 @@ impl Default for Tuning {
             cruise_m_s: 15.0,
             gyro_walk: (deg(0.027), 0.0015),
             bias: (deg(1.0), deg(0.003)),
+            askew: (deg(0.3), deg(3.0), deg(0.001)),
+            clock_s: 0.01,
             ground_walk: 0.1,
             contrast: (0.02, 5.0),
             depth: (-1.2, 0.8, 0.005),
