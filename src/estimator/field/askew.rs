@@ -59,15 +59,20 @@ pub fn walk(state: &mut State, walk: f64, dt_s: f64) {
 }
 
 impl FieldEstimator {
-    /// A new gyro is expected to be mounted well: the more so where scenes cannot be told from turns.
+    /// The first gyro is expected to be mounted well: the more so where scenes cannot be told from turns. What was learnt of
+    /// it stays while it is away.
     pub(super) fn set_askew(&mut self) {
         let share = if self.model.shows_scenes() { 1.0 } else { BLIND_SHARE };
-        let (s, gyro) = (&mut self.state, self.gyro.in_use());
-        s.askew2 = (share * self.tuning.askew.0).powi(2);
-        for i in STATES {
-            s.x[i] = 0.0;
-            s.set_variance(i, if gyro { s.askew2 } else { 0.0 });
+        let s = &mut self.state;
+        if self.gyro.in_use() && s.askew2 <= 0.0 {
+            s.askew2 = (share * self.tuning.askew.0).powi(2);
+            STATES.for_each(|i| s.set_variance(i, s.askew2));
         }
+    }
+
+    /// The axes on which its rates are taken have been turned by minus `turned`, rad: they are as much less askew.
+    pub(super) fn turn_axes(&mut self, turned: Vector) {
+        self.state.x[ASKEW..ASKEW + 3].iter_mut().zip(turned).for_each(|(x, t)| *x += t);
     }
 
     /// Expects a gyro's axes to be far askew once that shows; never with sensors to which a scene looks the same.

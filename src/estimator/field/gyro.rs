@@ -1,7 +1,7 @@
 //! Body rates, and when to believe them.
 
 use crate::attitude::Attitude;
-use crate::estimator::vector::{Vector, product, rotation};
+use crate::estimator::vector::{Vector, dot, product, rotation};
 use crate::frame::Aiding;
 use crate::time::Time;
 
@@ -52,13 +52,21 @@ impl Gyro {
         self.last.filter(|(_, at)| age(*at) && dt_s < AGE_S).map(|(rates, _)| rates)
     }
 
-    /// The head shows this roll and pitch in level flight.
-    pub fn set_trim(&mut self, trim: Attitude) {
+    /// The head shows this roll and pitch in level flight. What the rates are turned back by now, rad: from the axes by the
+    /// trim before; a small angle.
+    pub fn set_trim(&mut self, trim: Attitude) -> Vector {
         // The other way round than from the head to the airframe.
         let [pitch, roll] = [[0.0, trim.pitch, 0.0], [-trim.roll, 0.0, 0.0]].map(rotation);
         let columns: [Vector; 3] = std::array::from_fn(|k| product(&roll, std::array::from_fn(|i| pitch[i][k])));
+        let to_head = std::array::from_fn(|r| std::array::from_fn(|k| columns[k][r]));
         let turned = trim != Attitude::default();
-        self.to_head = turned.then(|| std::array::from_fn(|r| std::array::from_fn(|k| columns[k][r])));
+        let before = std::mem::replace(&mut self.to_head, turned.then_some(to_head)).unwrap_or(rotation([0.0; 3]));
+        // Of the matrix from the new axes to those before.
+        let element = |r: usize, c: usize| dot(before[r], to_head[c]);
+        std::array::from_fn(|i| {
+            let (next, last) = ((i + 1) % 3, (i + 2) % 3);
+            0.5 * (element(last, next) - element(next, last))
+        })
     }
 
     /// The rates to be used, rad/s on nose, left, up: the mean over the time since the last frame.
@@ -83,6 +91,24 @@ impl Gyro {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What is shown by one trim is what is shown by the next and turned back.
+    #[test]
+    fn a_trim_that_moves_turns_the_axes() {
+        let mut gyro = Gyro::default();
+        let mut shown = |degrees: [f64; 2]| {
+            let [roll, pitch] = degrees.map(f64::to_radians);
+            let turned = gyro.set_trim(Attitude { roll, pitch });
+            (gyro.to_head.map_or([1.0, -2.0, 0.5], |m| product(&m, [1.0, -2.0, 0.5])), turned)
+        };
+        let mut before = shown([0.0, 0.0]).0;
+        for trim in [[1.0, 0.0], [1.0, -0.5], [3.0, 4.0], [3.5, 4.5], [0.0, 4.0], [0.0, 3.0], [0.0, 0.0]] {
+            let (now, turned) = shown(trim);
+            let back = product(&rotation(turned), now);
+            assert!((0..3).all(|i| (back[i] - before[i]).abs() < 2e-3), "{trim:?}: {back:?} {before:?}");
+            before = now;
+        }
+    }
 
     /// About the nose, at 0 and at 0.1 s; the frames between them have none.
     #[test]

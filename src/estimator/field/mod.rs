@@ -285,7 +285,10 @@ impl Estimator for FieldEstimator {
     }
 
     fn set_trim(&mut self, trim: Attitude) {
-        self.gyro.set_trim(trim);
+        let turned = self.gyro.set_trim(trim);
+        if self.state.askew2 > 0.0 {
+            self.turn_axes(turned);
+        }
     }
 
     fn set_lag_s(&mut self, lag_s: f64) {
