@@ -70,9 +70,11 @@ impl FieldEstimator {
         }
     }
 
-    /// The axes on which its rates are taken have been turned by minus `turned`, rad: they are as much less askew.
+    /// The axes on which its rates are taken have been turned by minus `turned`, rad: what is known of them turns with them.
     pub(super) fn turn_axes(&mut self, turned: Vector) {
-        self.state.x[ASKEW..ASKEW + 3].iter_mut().zip(turned).for_each(|(x, t)| *x += t);
+        if self.state.askew2 > 0.0 {
+            self.state.x[ASKEW..ASKEW + 3].iter_mut().zip(turned).for_each(|(x, t)| *x += t);
+        }
     }
 
     /// Expects a gyro's axes to be far askew once that shows; never with sensors to which a scene looks the same.

@@ -1,6 +1,6 @@
 //! Which readings are heard: new ones, of sensors that nothing speaks against.
 
-use super::predict::{Pace, rates, scene};
+use super::predict::{Pace, scene};
 use super::state::{LAG, MAX_SENSORS};
 use super::stuck::Stuck;
 use super::witness::Known;
@@ -70,7 +70,7 @@ impl FieldEstimator {
             axes: s.axes,
             sky: scene(s),
             pace,
-            gyro: self.gyro.rates().map(|gyro| rates(s, &self.tuning, Some(gyro))),
+            gyro: self.turning(),
             noise_k: self.noise.variance().sqrt(),
             lag_s: self.tuning.lag_s * s.x[LAG].clamp(-2.0, 2.0).exp(),
         };

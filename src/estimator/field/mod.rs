@@ -243,10 +243,14 @@ impl FieldEstimator {
 
     /// How far the attitude may be off while it moves, rad: with a gyro's, it is that of the gyro's clock.
     fn late(&self) -> Attitude {
-        self.gyro.rates().map_or_else(Attitude::default, |gyro| {
-            let Attitude { roll, pitch } = moving(&self.state, rates(&self.state, &self.tuning, Some(gyro)));
-            Attitude { roll: self.tuning.clock_s * roll, pitch: self.tuning.clock_s * pitch }
-        })
+        let clock_s = self.tuning.clock_s;
+        let moving = self.turning().map_or_else(Attitude::default, |rates| moving(&self.state, rates));
+        Attitude { roll: clock_s * moving.roll, pitch: clock_s * moving.pitch }
+    }
+
+    /// A gyro's rates as they are by all that is known of it, rad/s on nose, left, up.
+    fn turning(&self) -> Option<Vector> {
+        self.gyro.rates().map(|gyro| rates(&self.state, &self.tuning, Some(gyro)))
     }
 
     /// The tilt that scenes of so many K may hide, rad.
@@ -286,9 +290,7 @@ impl Estimator for FieldEstimator {
 
     fn set_trim(&mut self, trim: Attitude) {
         let turned = self.gyro.set_trim(trim);
-        if self.state.askew2 > 0.0 {
-            self.turn_axes(turned);
-        }
+        self.turn_axes(turned);
     }
 
     fn set_lag_s(&mut self, lag_s: f64) {
