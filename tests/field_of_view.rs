@@ -1,5 +1,6 @@
-//! A field of view that is told wrongly: sensors of 90° of which `field` is told that they see over 75° or 110°. Flights
-//! of five minutes, three seeds pooled, the first 20 s left out.
+//! A field of view that is told wrongly: sensors of 90° of which `field` is told that they see over 75° or 110°, and sensors
+//! that see in another form than the bell that it is told. Flights of five minutes, three seeds pooled, the first 20 s left
+//! out.
 
 mod flights;
 
@@ -52,10 +53,38 @@ fn overcast() {
     holds(&scenario("overcast"), [[[1.2, 0.9], [1.2, 0.9]], [[0.25, 0.25], [0.25, 0.25]]]);
 }
 
-/// What does not fit is taken for a scene at first: the wider it is told, and the stronger the contrast, the longer.
 #[test]
 fn clear_and_dry() {
     let [[alone, _], [aided, _]] = CLEAR;
-    holds(&scenario("clear-dry"), [[alone, [0.8, 0.42]], [aided, [0.6, 0.6]]]);
+    holds(&scenario("clear-dry"), [[alone, [0.8, 0.42]], [aided; 2]]);
     holds(&scenario("clear-dry").with_contrast(12.0), [[alone, [0.8, 0.42]], [aided; 2]]);
+}
+
+/// Sensors that see alike all over a cone, as a flat plate in a tube, and with long tails, where a bell is told. With a gyro
+/// that is found once the aircraft has turned one and a half times round; until then, and in humid air for longer, it is
+/// taken for a scene. Nothing is looked for without.
+#[test]
+fn another_form() {
+    let forms = [
+        (FieldOfView::Even { half_deg: 50.0 }, "even"),
+        (FieldOfView::Cone { half_deg: 50.0 }, "plate"),
+        (FieldOfView::Tailed { fwhm_deg: 90.0 }, "tailed"),
+    ];
+    for (name, limits) in [("clear-dry", [0.4, 0.3, 0.4]), ("clear-humid", [0.9, 0.8, 0.15])] {
+        for ((seen, form), limit) in forms.into_iter().zip(limits) {
+            let scenario = scenario(name).seeing(seen);
+            let flights = Flown::all(&scenario, 3);
+            for (aided, limit) in [(false, 1.9), (true, limit)] {
+                let make = || said(FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default()));
+                let score = score(&flights, hear(aided), make);
+                let reached = [score.roll_rms_deg, score.pitch_rms_deg];
+                let covered = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent];
+                let less = score.underestimated_p99_deg;
+                println!("{name}, {form}, aided {aided}: {reached:.2?}, {less:.2?}, within 2 sigma {covered:.1?} %");
+                assert!(reached.iter().all(|r| r.is_some_and(|r| r <= limit)), "{reached:?}");
+                assert!(covered.iter().all(|c| c.is_some_and(|c| c >= 85.0)), "{covered:?}");
+                assert!(less.is_some_and(|less| less <= 1.5), "{less:?}");
+            }
+        }
+    }
 }

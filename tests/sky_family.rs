@@ -1,6 +1,6 @@
 //! The family's one table against each sky's own, against integrals, and with arguments that are none.
 
-use irhorizon::sky::family::{LN_DEPTH, RADIANCE_K, WIDER};
+use irhorizon::sky::family::{LN_DEPTH, RADIANCE_K, View, WIDER};
 use irhorizon::sky::{Averaging, Family, FieldOfView, Response, Shape};
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -28,8 +28,11 @@ fn alone(shape: Shape, field: FieldOfView, averaging: Averaging) -> Vec<f64> {
     elevations().map(|e| (shown(sin_deg(e)) - down) / (up - down)).collect()
 }
 
+/// A field of view as it was said to be.
+const AS_SAID: View = [0.0; 3];
+
 fn levels(family: &Family, ln_depth: f64, radiance: f64) -> Vec<f64> {
-    elevations().map(|e| family.level(sin_deg(e), ln_depth, radiance, 0.0).value).collect()
+    elevations().map(|e| family.level(sin_deg(e), ln_depth, radiance, AS_SAID).value).collect()
 }
 
 fn largest_apart(a: &[f64], b: &[f64]) -> f64 {
@@ -118,10 +121,33 @@ fn a_wider_or_narrower_field_of_view_is_part_of_it() {
         for depth in [0.1_f64, 0.3, 0.8, 2.9] {
             let own = alone(Shape::Grey { depth }, field, Averaging::Temperature);
             let levels: Vec<f64> =
-                elevations().map(|e| FAMILY.level(sin_deg(e), depth.ln(), 0.0, spread).value).collect();
+                elevations().map(|e| FAMILY.level(sin_deg(e), depth.ln(), 0.0, [spread, 0.0, 0.0]).value).collect();
             let off_k = CONTRAST_K * largest_apart(&own, &levels);
             println!("spread {spread}, depth {depth}: {off_k:.3} K");
             assert!(off_k < limit_k, "spread {spread}, depth {depth}: {off_k} K");
+        }
+    }
+}
+
+/// So is one of another form: alike all over a cone, or with long tails, or between.
+#[test]
+fn other_forms_of_the_field_of_view_are_part_of_it() {
+    let [even, tailed] = FIELD.others();
+    assert_eq!(even, FieldOfView::Even { half_deg: 50.0 });
+    for (field, view, limit_k) in [
+        // In humid air the grain of a cone's edge.
+        (even, [0.0, 1.0, 0.0], 0.03),
+        (tailed, [0.0, 0.0, 1.0], 0.01),
+        // A flat plate in a tube: narrower, and of both.
+        (FieldOfView::Cone { half_deg: 50.0 }, [-1.1, 0.8, 0.35], 0.15),
+    ] {
+        for depth in [0.1_f64, 0.3, 0.8, 2.9] {
+            let own = alone(Shape::Grey { depth }, field, Averaging::Temperature);
+            let levels: Vec<f64> =
+                elevations().map(|e| FAMILY.level(sin_deg(e), depth.ln(), 0.0, view).value).collect();
+            let off_k = misfit_k(&own, &levels);
+            println!("{field:?}, depth {depth}: {off_k:.3} K");
+            assert!(off_k < limit_k, "{field:?}, depth {depth}: {off_k} K");
         }
     }
 }
@@ -130,28 +156,31 @@ fn a_wider_or_narrower_field_of_view_is_part_of_it() {
 fn levels_rise_from_nothing_to_one() {
     for i in 0..=20 {
         let ln_depth = LN_DEPTH.0 + (LN_DEPTH.1 - LN_DEPTH.0) * f64::from(i) / 20.0;
-        let at = |e: f64| FAMILY.level(sin_deg(e), ln_depth, 0.0, 0.0).value;
+        let at = |e: f64| FAMILY.level(sin_deg(e), ln_depth, 0.0, AS_SAID).value;
         // The integral's grain in very dry air: less than a millikelvin of 40.
         assert!(at(-90.0).abs() < 1e-9 && (at(90.0) - 1.0).abs() < 2e-5, "{ln_depth}");
         let all: Vec<f64> = (-900..=900).map(|e| at(f64::from(e) * 0.1)).collect();
         // A hair for the cubics between the entries.
         assert!(all.windows(2).all(|w| w[1] >= w[0] - 1e-5), "{ln_depth}");
-        // As wide or narrow as the filter lets it be, where the parabola is far from what it was made of.
-        for spread in [-2.0, -1.0, 1.0, 2.0] {
-            let at = |e: u32| FAMILY.level(sin_deg(f64::from(e) - 90.0), ln_depth, 0.0, spread).value;
+        // As wide or narrow as the filter lets it be, where the parabola is far from what it was made of; and of other forms.
+        let wide = [-2.0, -1.0, 1.0, 2.0].map(|spread| [spread, 0.0, 0.0]);
+        let forms = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.8, 0.4], [0.5, -0.3, -0.7]];
+        for view in wide.into_iter().chain(forms) {
+            let at = |e: u32| FAMILY.level(sin_deg(f64::from(e) - 90.0), ln_depth, 0.0, view).value;
             let fall = (0..180).map(|e| at(e) - at(e + 1)).fold(0.0, f64::max);
-            assert!(fall < 1e-3, "{ln_depth} {spread}: {fall}");
+            assert!(fall < 1e-3, "{ln_depth} {view:?}: {fall}");
         }
     }
 }
 
 #[test]
 fn what_is_no_number_gives_none_and_what_is_too_far_the_end() {
-    for i in 0..4 {
-        let [sine, ln_depth, radiance, spread] = std::array::from_fn(|k| if k == i { f64::NAN } else { 0.3 });
-        assert!(FAMILY.level(sine, ln_depth, radiance, spread).value.is_nan(), "{i}");
+    for i in 0..6 {
+        let [sine, ln_depth, radiance, spread, one, other]: [f64; 6] =
+            std::array::from_fn(|k| if k == i { f64::NAN } else { 0.3 });
+        assert!(FAMILY.level(sine, ln_depth, radiance, [spread, one, other]).value.is_nan(), "{i}");
     }
-    let inside = |sine, ln_depth| FAMILY.level(sine, ln_depth, 0.5, 0.7);
+    let inside = |sine, ln_depth| FAMILY.level(sine, ln_depth, 0.5, [0.7, 0.2, 0.1]);
     for far in [1.1, 1e300, f64::INFINITY] {
         assert_eq!(inside(far, -1.0), inside(1.0, -1.0));
         assert_eq!(inside(-far, -1.0), inside(-1.0, -1.0));
@@ -160,7 +189,10 @@ fn what_is_no_number_gives_none_and_what_is_too_far_the_end() {
     }
     for x in [f64::NAN, 0.0, -5.0, 1e300] {
         let family = Family::new(FieldOfView::Gaussian { fwhm_deg: x });
-        assert!((0..=180).all(|e| family.level(sin_deg(f64::from(e) - 90.0), 0.0, 0.5, 1.0).value.is_finite()), "{x}");
+        assert!(
+            (0..=180).all(|e| family.level(sin_deg(f64::from(e) - 90.0), 0.0, 0.5, [1.0, 0.5, 0.5]).value.is_finite()),
+            "{x}"
+        );
     }
 }
 
@@ -172,10 +204,12 @@ proptest! {
         ln_depth in (LN_DEPTH.0 + 0.1)..1.3_f64,
         radiance in 0.0..1.0_f64,
         spread in -2.0..2.0_f64,
+        forms in proptest::array::uniform2(-1.0..1.0_f64),
     ) {
         let (sine, h) = (sin_deg(deg), 1e-6);
-        let level = FAMILY.level(sine, ln_depth, radiance, spread);
-        let value = |s: f64, d: f64, w: f64| FAMILY.level(s, d, radiance, w).value;
+        let view = [spread, forms[0], forms[1]];
+        let level = FAMILY.level(sine, ln_depth, radiance, view);
+        let value = |s: f64, d: f64, w: f64| FAMILY.level(s, d, radiance, [w, forms[0], forms[1]]).value;
         let by_sine = (value(sine + h, ln_depth, spread) - value(sine - h, ln_depth, spread)) / (2.0 * h);
         prop_assert!((level.by_sine - by_sine).abs() < 1e-4, "{} and {by_sine}", level.by_sine);
         // Linear between two depths, and on either side of the field of view that was given; on an entry the slope is
@@ -187,10 +221,17 @@ proptest! {
         };
         let by_depth = within(level.by_ln_depth, value(sine, ln_depth - h, spread), value(sine, ln_depth + h, spread));
         prop_assert!(by_depth, "{}", level.by_ln_depth);
-        let by_spread = within(level.by_spread, value(sine, ln_depth, spread - h), value(sine, ln_depth, spread + h));
-        prop_assert!(by_spread, "{}", level.by_spread);
+        let by_spread = within(level.by_view[0], value(sine, ln_depth, spread - h), value(sine, ln_depth, spread + h));
+        prop_assert!(by_spread, "{:?}", level.by_view);
         // Linear.
-        let more = FAMILY.level(sine, ln_depth, radiance + 1.0, spread).value - level.value;
-        prop_assert!((level.by_radiance - more).abs() < 1e-9, "{} and {more}", level.by_radiance);
+        let more = |radiance, view| FAMILY.level(sine, ln_depth, radiance, view).value - level.value;
+        let linear = [
+            (level.by_radiance, more(radiance + 1.0, view)),
+            (level.by_view[1], more(radiance, [spread, forms[0] + 1.0, forms[1]])),
+            (level.by_view[2], more(radiance, [spread, forms[0], forms[1] + 1.0])),
+        ];
+        for (slope, more) in linear {
+            prop_assert!((slope - more).abs() < 1e-9, "{slope} and {more}");
+        }
     }
 }

@@ -19,8 +19,8 @@ use crate::sky::{Averaging, FieldOfView, Response, Shape, Sky};
 
 /// How long a scenario lasts unless said otherwise, s.
 pub const SECONDS: f64 = 300.0;
-/// Full width at half maximum of the sensors' field of view, °.
-const FIELD_DEG: f64 = 90.0;
+/// The sensors' field of view.
+const USUAL: FieldOfView = FieldOfView::Gaussian { fwhm_deg: 90.0 };
 
 /// The names, with what they stand for.
 pub const LIST: [(&str, &str); 21] = [
@@ -53,7 +53,7 @@ pub struct Scenario {
     name: &'static str,
     sky: Sky,
     averaging: Averaging,
-    field_deg: f64,
+    seeing: FieldOfView,
     lag_s: f64,
     noise_k: f64,
     weather: Vec<Weather>,
@@ -74,7 +74,7 @@ impl Scenario {
             name,
             sky: dry,
             averaging: Averaging::Temperature,
-            field_deg: FIELD_DEG,
+            seeing: USUAL,
             lag_s: 0.1,
             noise_k: 0.08,
             weather: Vec::new(),
@@ -99,7 +99,7 @@ impl Scenario {
             "inverted" => made.style = Some(Style::Scripted(rolls())),
             "aerobatics" => made.style = Some(Style::Scripted(aerobatics())),
             "radiance" => made.averaging = Averaging::Radiance,
-            "narrow" => made.field_deg = 70.0,
+            "narrow" => made.seeing = FieldOfView::Gaussian { fwhm_deg: 70.0 },
             _ => {}
         }
         Some(made)
@@ -152,6 +152,12 @@ impl Scenario {
         self
     }
 
+    /// With sensors that see otherwise than an estimator is told.
+    pub fn seeing(mut self, field: FieldOfView) -> Self {
+        self.seeing = field;
+        self
+    }
+
     /// With sensors whose noise is `noise_k` rms.
     pub fn with_noise(mut self, noise_k: f64) -> Self {
         self.noise_k = noise_k;
@@ -181,9 +187,9 @@ impl Scenario {
         Head::new(sensors.into(), Vec::new())
     }
 
-    /// The field of view that an estimator is told; the sensors' true one but in `narrow`.
+    /// The field of view that an estimator is told; the sensors' true one but in `narrow`, and where they are [seeing](Self::seeing) otherwise.
     pub fn field(&self) -> FieldOfView {
-        FieldOfView::Gaussian { fwhm_deg: FIELD_DEG }
+        USUAL
     }
 
     /// Chance has its say: the same seed gives the same frames.
@@ -197,7 +203,7 @@ impl Scenario {
         let aircraft = self.aircraft.unwrap_or(usual);
         let style = self.style.clone().unwrap_or(Style::Random(Random::default()));
         let trajectory = Trajectory::fly(&aircraft, &style, self.seconds + 1.0, seeds.bits());
-        let field = FieldOfView::Gaussian { fwhm_deg: self.field_deg };
+        let field = self.seeing;
         let mut source = SimulatedSource::new(&settings, &self.head(), field)
             .with_scene(self.scene(field, &mut seeds))
             .with_weather(self.weather.clone())
@@ -235,8 +241,7 @@ fn grey(ground_c: f64, contrast_k: f64, depth: f64) -> Sky {
 
 /// A sky of which a vertical pair of the usual field sees `contrast_k`.
 fn sky(ground_c: f64, contrast_k: f64, shape: Shape) -> Sky {
-    let field = FieldOfView::Gaussian { fwhm_deg: FIELD_DEG };
-    let share = Response::new(shape, field, Averaging::Temperature).pair_k(1.0, 0.0, 1.0);
+    let share = Response::new(shape, USUAL, Averaging::Temperature).pair_k(1.0, 0.0, 1.0);
     Sky { ground_c, sky_max_k: contrast_k / share, shape }
 }
 

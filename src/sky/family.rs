@@ -34,8 +34,8 @@ type Row = [f64; ELEVATIONS];
 pub struct Family {
     /// By depth, then by elevation from −90° in steps of 1°.
     table: Vec<Row>,
-    /// What the spread of the field of view adds, and its square.
-    by_spread: Vec<[Row; 2]>,
+    /// What the spread of the field of view adds, and its square; and what each of two other forms of it do.
+    by_view: Vec<[Row; 2 + FORMS]>,
     /// What averaging in radiance adds to the level at [`RADIANCE_K`] of contrast.
     radiance: Vec<Row>,
 }
@@ -51,9 +51,16 @@ pub struct Level {
     pub by_ln_depth: f64,
     /// Its change with how much is averaged in radiance.
     pub by_radiance: f64,
-    /// Its change with the spread of the field of view.
-    pub by_spread: f64,
+    /// Its change with the field of view.
+    pub by_view: View,
 }
+
+/// How many other forms of the field of view there are.
+pub const FORMS: usize = 2;
+
+/// How much wider the sensors see than the field of view that was given: 1 is wider by [`WIDER`] of it, -1 narrower by that.
+/// Then how much they see as [each of two others](FieldOfView::others) does: 0 nothing, 1 all, below 0 the other way.
+pub type View = [f64; 1 + FORMS];
 
 impl Family {
     /// Makes the tables, in some ten milliseconds.
@@ -74,26 +81,29 @@ impl Family {
         let mut radiance = means(field, &deficits.iter().map(dimmer).collect::<Vec<_>>());
         radiance.iter_mut().flatten().for_each(|v| *v = 1.0 - (1.0 - *v).sqrt().sqrt());
         let [mut narrower, mut wider] = [-WIDER, WIDER].map(|by| levels(1.0 + by));
-        for table in [&mut table, &mut radiance, &mut narrower, &mut wider] {
+        let [mut one, mut other] = field.others().map(|field| means(field, &deficits));
+        for table in [&mut table, &mut radiance, &mut narrower, &mut wider, &mut one, &mut other] {
             table.iter_mut().for_each(normalise);
         }
         for (more, level) in radiance.iter_mut().zip(&table) {
             more.iter_mut().zip(level).for_each(|(more, level)| *more -= level);
         }
-        // Through the three.
-        let parabola = |((at, less), more): ((&Row, &Row), &Row)| {
+        let by_view = |d: usize| {
+            let beyond = |other: &[Row]| -> Row { std::array::from_fn(|e| other[d][e] - table[d][e]) };
+            // A parabola through the three.
+            let [less, more] = [beyond(&narrower), beyond(&wider)];
             let slope = std::array::from_fn(|e| (more[e] - less[e]) / 2.0);
-            [slope, std::array::from_fn(|e| (more[e] + less[e]) / 2.0 - at[e])]
+            let square = std::array::from_fn(|e| (more[e] + less[e]) / 2.0);
+            [slope, square, beyond(&one), beyond(&other)]
         };
-        let by_spread = table.iter().zip(&narrower).zip(&wider).map(parabola).collect();
-        Self { table, by_spread, radiance }
+        let by_view = (0..DEPTHS).map(by_view).collect();
+        Self { table, by_view, radiance }
     }
 
     /// The level with the axis at the elevation whose sine is `sine` under a sky of `ln_depth`;
     /// both are kept inside the table. `radiance` 0: averaged in temperature, 1: in radiance at
-    /// [`RADIANCE_K`]. `spread` 0: with the field of view that was given, 1: with one wider by [`WIDER`] of it, -1: narrower
-    /// by that. NaN gives NaN.
-    pub fn level(&self, sine: f64, ln_depth: f64, radiance: f64, spread: f64) -> Level {
+    /// [`RADIANCE_K`]. NaN gives NaN.
+    pub fn level(&self, sine: f64, ln_depth: f64, radiance: f64, view: View) -> Level {
         let sine = sine.clamp(-1.0, 1.0);
         let place = sine.asin().to_degrees() + 90.0;
         let cell = (place as usize).min(ELEVATIONS - 2);
@@ -102,30 +112,39 @@ impl Family {
         let row = (depth as usize).min(DEPTHS - 2);
         let y = depth - row as f64;
         let weights = Spline::at(x);
-        // The four neighbours at this depth and spread, then the spline.
+        // The four neighbours at this depth and field of view, then the spline.
         let ([low, high], [by_low, by_high], [more_low, more_high]) = (
             [&self.table[row], &self.table[row + 1]],
-            [&self.by_spread[row], &self.by_spread[row + 1]],
+            [&self.by_view[row], &self.by_view[row + 1]],
             [&self.radiance[row], &self.radiance[row + 1]],
         );
+        let [spread, one, other] = view;
         let square = spread * spread;
-        let mut sums = [[0.0; 2]; 4];
+        let mut sums = [[0.0; 2]; 4 + FORMS];
         for (i, weight) in weights.near(cell) {
-            let spread_at = |by: &[Row; 2]| spread * by[0][i] + square * by[1][i];
-            let low = low[i] + spread_at(by_low) + radiance * more_low[i];
-            let high = high[i] + spread_at(by_high) + radiance * more_high[i];
-            let slope = |by: &[Row; 2]| by[0][i] + 2.0 * spread * by[1][i];
-            let by_spread = slope(by_low) + y * (slope(by_high) - slope(by_low));
-            let by_radiance = more_low[i] + y * (more_high[i] - more_low[i]);
-            let value = low + y * (high - low);
-            for (sum, term) in sums.iter_mut().zip([value, high - low, by_radiance, by_spread]) {
+            let seen_at = |[slope, curve, first, second]: &[Row; 2 + FORMS]| {
+                spread * slope[i] + square * curve[i] + one * first[i] + other * second[i]
+            };
+            let low = low[i] + seen_at(by_low) + radiance * more_low[i];
+            let high = high[i] + seen_at(by_high) + radiance * more_high[i];
+            let between = |low: f64, high: f64| low + y * (high - low);
+            let [slope, curve, first, second] = std::array::from_fn(|k| between(by_low[k][i], by_high[k][i]));
+            let by_radiance = between(more_low[i], more_high[i]);
+            let terms = [between(low, high), high - low, by_radiance, slope + 2.0 * spread * curve, first, second];
+            for (sum, term) in sums.iter_mut().zip(terms) {
                 *sum = [sum[0] + weight[0] * term, sum[1] + weight[1] * term];
             }
         }
-        let [[value, by_degree], [by_row, _], [by_radiance, _], [by_spread, _]] = sums;
+        let [[value, by_degree], [by_row, _], [by_radiance, _], [by_spread, _], [first, _], [second, _]] = sums;
         // A degree of elevation is this much of its sine; near the poles the slope is a little off.
         let cosine = (1.0 - sine * sine).max(1e-4).sqrt();
-        Level { value, by_sine: by_degree.to_degrees() / cosine, by_ln_depth: by_row / STEP, by_radiance, by_spread }
+        Level {
+            value,
+            by_sine: by_degree.to_degrees() / cosine,
+            by_ln_depth: by_row / STEP,
+            by_radiance,
+            by_view: [by_spread, first, second],
+        }
     }
 }
 

@@ -21,6 +21,16 @@ pub enum FieldOfView {
         /// Full angle between the half-power points, 1 to 180.
         fwhm_deg: f64,
     },
+    /// A cone about the axis that sees alike all that is in it: weight `sin a` up to `half_deg`.
+    Even {
+        /// Half its angle, 0 to 90.
+        half_deg: f64,
+    },
+    /// A bell with long tails, weight `sin a` over one plus the square of the angle, cut off at 90°.
+    Tailed {
+        /// Full angle between the half-power points, 1 to 180.
+        fwhm_deg: f64,
+    },
 }
 
 /// A direction in the field of view. Seen along an axis at elevation E it lies at the elevation
@@ -38,6 +48,8 @@ pub struct Node {
 /// Steps across the field, and around the axis over half a turn (the other half is the mirror image).
 const OFF_AXIS: usize = 48;
 const AROUND: usize = 48;
+/// Half the angle of an even cone over the width of a bell that sees much the same.
+const EVEN: f64 = 50.0 / 90.0;
 
 impl FieldOfView {
     /// One `times` as wide, as far as a field of view can be.
@@ -46,6 +58,21 @@ impl FieldOfView {
             Self::InPlane { half_deg } => Self::InPlane { half_deg: half_deg * times },
             Self::Cone { half_deg } => Self::Cone { half_deg: half_deg * times },
             Self::Gaussian { fwhm_deg } => Self::Gaussian { fwhm_deg: fwhm_deg * times },
+            Self::Even { half_deg } => Self::Even { half_deg: half_deg * times },
+            Self::Tailed { fwhm_deg } => Self::Tailed { fwhm_deg: fwhm_deg * times },
+        }
+    }
+
+    /// Two of other forms that are about as wide: between the three, and somewhat beyond, is whatever sees less the farther
+    /// off the axis.
+    pub fn others(self) -> [Self; 2] {
+        match self {
+            Self::Gaussian { fwhm_deg } => [Self::Even { half_deg: fwhm_deg * EVEN }, Self::Tailed { fwhm_deg }],
+            Self::Tailed { fwhm_deg } => [Self::Even { half_deg: fwhm_deg * EVEN }, Self::Gaussian { fwhm_deg }],
+            Self::InPlane { half_deg } | Self::Cone { half_deg } | Self::Even { half_deg } => {
+                let fwhm_deg = half_deg / EVEN;
+                [Self::Gaussian { fwhm_deg }, Self::Tailed { fwhm_deg }]
+            }
         }
     }
 
@@ -62,6 +89,11 @@ impl FieldOfView {
                     .collect()
             }
             Self::Cone { half_deg } => about_the_axis(half(half_deg), |a| a.sin() * a.cos()),
+            Self::Even { half_deg } => about_the_axis(half(half_deg), f64::sin),
+            Self::Tailed { fwhm_deg } => {
+                let half = half(fwhm_deg / 2.0);
+                about_the_axis(PI / 2.0, |a| a.sin() / (1.0 + (a / half).powi(2)))
+            }
             Self::Gaussian { fwhm_deg } => {
                 let fwhm = 2.0 * half(fwhm_deg / 2.0);
                 // At twice the width off the axis less than 2e-5 is left.
@@ -110,6 +142,8 @@ mod tests {
             FieldOfView::Cone { half_deg: 50.0 },
             FieldOfView::Gaussian { fwhm_deg: 90.0 },
             FieldOfView::Gaussian { fwhm_deg: 5.0 },
+            FieldOfView::Even { half_deg: 50.0 },
+            FieldOfView::Tailed { fwhm_deg: 90.0 },
         ] {
             let nodes = field.nodes();
             assert!((nodes.iter().map(|n| n.weight).sum::<f64>() - 1.0).abs() < 1e-12);
@@ -122,6 +156,9 @@ mod tests {
         let mean = |f: FieldOfView| f.nodes().iter().map(|n| n.weight * n.along).sum::<f64>();
         let h = 50.0_f64.to_radians();
         assert!((mean(FieldOfView::InPlane { half_deg: 50.0 }) - h.sin() / h).abs() < 1e-4);
+        // ∫ sin a cos a / ∫ sin a
+        let even = h.sin().powi(2) / 2.0 / (1.0 - h.cos());
+        assert!((mean(FieldOfView::Even { half_deg: 50.0 }) - even).abs() < 1e-4);
         // ∫ sin a cos² a / ∫ sin a cos a
         let cone = (1.0 - h.cos().powi(3)) / 3.0 / (h.sin().powi(2) / 2.0);
         assert!((mean(FieldOfView::Cone { half_deg: 50.0 }) - cone).abs() < 1e-4);
@@ -133,8 +170,28 @@ mod tests {
             (FieldOfView::InPlane { half_deg: 50.0 }, FieldOfView::InPlane { half_deg: 60.0 }),
             (FieldOfView::Cone { half_deg: 30.0 }, FieldOfView::Cone { half_deg: 36.0 }),
             (FieldOfView::Gaussian { fwhm_deg: 90.0 }, FieldOfView::Gaussian { fwhm_deg: 108.0 }),
+            (FieldOfView::Even { half_deg: 50.0 }, FieldOfView::Even { half_deg: 60.0 }),
+            (FieldOfView::Tailed { fwhm_deg: 90.0 }, FieldOfView::Tailed { fwhm_deg: 108.0 }),
         ] {
             assert_eq!(field.scaled(1.2), wider);
+        }
+    }
+
+    #[test]
+    fn others_are_as_wide_and_of_other_forms() {
+        let fields = [
+            FieldOfView::InPlane { half_deg: 50.0 },
+            FieldOfView::Cone { half_deg: 50.0 },
+            FieldOfView::Gaussian { fwhm_deg: 90.0 },
+            FieldOfView::Even { half_deg: 50.0 },
+            FieldOfView::Tailed { fwhm_deg: 90.0 },
+        ];
+        for field in fields {
+            let others = field.others();
+            assert!(!others.contains(&field) && others[0] != others[1]);
+            for other in others {
+                assert!(fields.iter().any(|f| format!("{f:?}") == format!("{other:?}")), "{field:?}: {other:?}");
+            }
         }
     }
 
@@ -145,6 +202,8 @@ mod tests {
                 FieldOfView::InPlane { half_deg: x },
                 FieldOfView::Cone { half_deg: x },
                 FieldOfView::Gaussian { fwhm_deg: x },
+                FieldOfView::Even { half_deg: x },
+                FieldOfView::Tailed { fwhm_deg: x },
             ] {
                 assert!(f.nodes().iter().all(|n| n.weight.is_finite() && n.along.is_finite()), "{f:?}");
             }

@@ -19,7 +19,7 @@ const SCALE_SHARE: f64 = 0.2;
 const BLIND_SHARE: f64 = 0.6;
 
 /// The states.
-const STATES: Range<usize> = ASKEW..SCALE + 3;
+pub const STATES: Range<usize> = ASKEW..SCALE + 3;
 
 /// What of the rates about each axis a gyro's `rates` do not show, by each state.
 fn by_axes(rates: Vector) -> [[(usize, f64); 3]; 3] {

@@ -4,9 +4,7 @@ use super::aid::Aid;
 use super::correct::Misfit;
 use super::scene::SceneStrength;
 use super::start::{Start, start};
-use super::state::{
-    CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SPREAD, State, TURN,
-};
+use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, State, TURN, VIEW};
 use super::{FieldEstimator, Tuning};
 use crate::estimator::whiteness::Whiteness;
 use crate::time::Time;
@@ -58,7 +56,7 @@ impl FieldEstimator {
             (CONTRAST, (0.15 * start.scene.contrast_k).hypot(1.0)),
             (DEPTH, t.depth.1),
             (RADIANCE, t.radiance.1),
-            (SPREAD, t.spread),
+            (VIEW, t.spread),
             (OFFSET, t.offset.0),
             (OFFSET + 1, t.offset.0),
         ];
@@ -72,6 +70,7 @@ impl FieldEstimator {
             s.set_variance(SEEN + i, 1.0);
             s.set_variance(s.scene(i), self.scene.variance());
         }
+        self.set_form();
         self.set_rates();
     }
 

@@ -2,9 +2,10 @@
 
 use super::FieldEstimator;
 use super::directions::{Directions, Pattern, dot};
+use super::form::SHAPES;
 use super::predict::scene;
-use super::state::{DEPTH, MAX_SENSORS, RADIANCE, SEEN, SPREAD};
-use crate::sky::family::LN_DEPTH;
+use super::state::{DEPTH, MAX_SENSORS, RADIANCE, SEEN, VIEW};
+use crate::sky::family::{FORMS, LN_DEPTH};
 
 /// A reading farther from its prediction than this many standard deviations weighs less.
 const GATE: f64 = 6.0;
@@ -13,6 +14,8 @@ const OUTLIER: f64 = 20.0;
 const GLITCH_S: f64 = 0.3;
 /// The spread of the field of view may be so much: it stands for a sky of another shape, too, but not for a wall.
 const WIDEST: f64 = 2.0;
+/// And so much of another form.
+const FORMED: (f64, f64) = (-1.2, 1.3);
 /// Nothing is averaged in radiance, or everything.
 const AVERAGED: (f64, f64) = (0.0, 1.0);
 /// Over this time the misfit is averaged, s.
@@ -107,7 +110,8 @@ impl FieldEstimator {
         }
         self.state.bound(DEPTH, LN_DEPTH);
         self.state.bound(RADIANCE, AVERAGED);
-        self.state.bound(SPREAD, (-WIDEST, WIDEST));
+        self.state.bound(VIEW, (-WIDEST, WIDEST));
+        (VIEW + 1..VIEW + 1 + FORMS).for_each(|i| self.state.bound(i, FORMED));
         self.state.settle();
         if count > 1.0 {
             let share = -(-dt_s / MISFIT_S).exp_m1();
@@ -130,12 +134,14 @@ impl FieldEstimator {
             scenes[i] = s.sky * self.state.x[self.state.scene(i)];
             seen[i] = Some(s);
         }
-        let shape = [DEPTH, SPREAD, RADIANCE];
-        let shape = shape.map(|i| shape.map(|j| self.state.p[i][j]));
+        let shape = SHAPES.map(|i| SHAPES.map(|j| self.state.p[i][j]));
         let directions = Directions::new(&seen, shape);
         let alone = readings.iter().zip(&self.state.plain).map(|(r, p)| r.map_or(0.0, |r| r - p));
         let mut pattern = Pattern::default();
         pattern.iter_mut().zip(alone).for_each(|(p, a)| *p = a);
+        if self.gyro.in_use() {
+            self.form.update(&pattern, &directions, &self.state, dt_s);
+        }
         // A lean that is believed in must not hide an attitude that is off.
         let mut even = pattern;
         for (even, seen) in even.iter_mut().zip(&seen) {

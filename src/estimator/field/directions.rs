@@ -5,8 +5,8 @@ use super::scene::UNLIKE_K;
 use super::state::MAX_SENSORS;
 use crate::estimator::linear::solve;
 
-/// What the sky's shape is told by: its depth, the spread of the field of view, and how much is averaged in radiance.
-const SHAPE: usize = 3;
+/// What the sky's shape is told by: its depth, how much is averaged in radiance, and the field of view.
+pub const SHAPE: usize = 5;
 
 /// One number a sensor.
 pub type Pattern = [f64; MAX_SENSORS];
@@ -28,7 +28,7 @@ pub struct Directions {
     shape: [Pattern; SHAPE],
     /// How much of each a pattern is taken to be, as uncertain as they are, for its products with all of them.
     gain: [[f64; SHAPE]; SHAPE],
-    /// In how many dimensions the shape, as uncertain as it is, explains what is seen: 0..3.
+    /// In how many dimensions the shape, as uncertain as it is, explains what is seen: 0..5.
     unsure: f64,
     /// The turns, less what another contrast or ground would explain.
     weatherless: [Pattern; 2],
@@ -37,7 +37,7 @@ pub struct Directions {
 }
 
 impl Directions {
-    /// Of the sensors that gave a reading, under a sky whose shape, depth's logarithm, spread and averaging, has this
+    /// Of the sensors that gave a reading, under a sky whose shape, depth's logarithm, averaging and field of view, has this
     /// covariance.
     pub fn new(seen: &[Option<Seen>; MAX_SENSORS], covariance: [[f64; SHAPE]; SHAPE]) -> Self {
         let pattern = |f: fn(&Seen) -> f64| -> Pattern { std::array::from_fn(|i| seen[i].as_ref().map_or(0.0, f)) };
@@ -55,7 +55,13 @@ impl Directions {
         let weatherless = [rolled, unit(without(without(pitch, &weather), &[rolled]))];
         let [weather, _] = weather;
         let known = [roll, pitch, contrast, ground];
-        let shape = [pattern(|s| s.by_depth), pattern(|s| s.by_spread), pattern(|s| s.by_radiance)];
+        let shape = [
+            pattern(|s| s.by_depth),
+            pattern(|s| s.by_radiance),
+            pattern(|s| s.by_view[0]),
+            pattern(|s| s.by_view[1]),
+            pattern(|s| s.by_view[2]),
+        ];
         let shape = shape.map(|p| without(p, &known));
         let (gain, unsure) = gain(&shape, covariance);
         let count = seen.iter().flatten().count();
@@ -78,6 +84,11 @@ impl Directions {
     pub fn weatherless(&self, pattern: &Pattern, variance_of: impl Fn(&Pattern) -> f64) -> f64 {
         let square = |turn: &Pattern| dot(pattern, turn).powi(2) / variance_of(turn);
         self.weatherless.iter().map(square).sum::<f64>() / 2.0
+    }
+
+    /// What the sky's shape would change, less what turns, contrast and ground explain.
+    pub fn shape(&self) -> &[Pattern; SHAPE] {
+        &self.shape
     }
 
     /// How many sensors gave a reading.

@@ -1,6 +1,6 @@
 //! When the scene is found not to be alike all around.
 
-use super::state::{DEPTH, LEAN, RATE, SPREAD, TURN};
+use super::state::{DEPTH, LEAN, RATE, TURN, VIEW};
 use super::{FieldEstimator, lean};
 use crate::attitude::Attitude;
 use crate::estimator::unseen_lean;
@@ -100,7 +100,7 @@ impl FieldEstimator {
     fn doubt_sky(&mut self) {
         let scene_k2 = self.scene.variance();
         self.state.add_variance(DEPTH, 0.1);
-        self.state.add_variance(SPREAD, 0.1);
+        self.state.add_variance(VIEW, 0.1);
         for i in 0..self.model.sensors() {
             self.state.add_variance(self.state.scene(i), scene_k2);
         }

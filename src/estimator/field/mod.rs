@@ -11,8 +11,8 @@
 //! - `scene`: how strong the sensors' own scenes are; `noise`: how noisy the readings are;
 //! - `change`: a scene that comes nearer; `doubt`: one that is found not to be alike all around; `lean`: how far its
 //!   horizon is expected to lean;
-//! - `averaging`: how much the sensors average in radiance; `calibration`: sensors that are off; `expected`: states of which
-//!   more is expected later;
+//! - `form`: sensors that see in another form than said; `averaging`: how much they average in radiance; `calibration`:
+//!   how far they are off; `expected`: states of which more is expected later;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `askew`: a gyro whose axes
 //!   are not the head's;
 //! - `aid`: the slow references; `reference_noise`: how much these are off;
@@ -29,6 +29,7 @@ mod correct;
 mod directions;
 mod doubt;
 mod expected;
+mod form;
 mod gyro;
 mod hear;
 mod hint;
@@ -64,6 +65,7 @@ use aid::Aid;
 use begin::paces;
 use change::SceneChange;
 use correct::Misfit;
+use form::Form;
 use gyro::Gyro;
 use model::Model;
 use noise::NoiseLevel;
@@ -133,6 +135,8 @@ pub struct FieldEstimator {
     off_s: f64,
     /// For how long it has shown that a gyro's axes are askew, s.
     askew_s: f64,
+    /// Whether they see in another form than said.
+    form: Form,
     /// For how long what is seen has been against all that is known, s.
     lost_s: f64,
     /// The variance of how much is averaged in radiance, while that cannot be told.
@@ -182,6 +186,7 @@ impl FieldEstimator {
             found_s: 0.0,
             off_s: 0.0,
             askew_s: 0.0,
+            form: Form::default(),
             lost_s: 0.0,
             averaging: None,
             glitch_s: 0.0,
@@ -344,6 +349,7 @@ impl Estimator for FieldEstimator {
             self.leave_out(&mut readings, dt_s);
             self.consider_averaging(now);
             self.learn(&readings, dt_s);
+            self.doubt_form(&readings, now, dt_s);
             self.doubt(now, dt_s);
             self.doubt_axes(dt_s);
             self.calibrate(dt_s);

@@ -4,7 +4,7 @@ use super::state::MAX_SENSORS;
 use crate::estimator::vector::{Vector, add_scaled, cross, dot, unit};
 use crate::frame::Frame;
 use crate::head::{Head, SensorKind};
-use crate::sky::family::{Level, RADIANCE_K};
+use crate::sky::family::{Level, RADIANCE_K, View};
 use crate::sky::{Family, FieldOfView};
 use crate::time::Time;
 
@@ -39,8 +39,8 @@ pub struct Seen {
     pub sky: f64,
     /// With how much is averaged in radiance, K.
     pub by_radiance: f64,
-    /// With the spread of the field of view, K.
-    pub by_spread: f64,
+    /// With the field of view, K.
+    pub by_view: View,
     /// With how far the horizon leans up to north and to west, K/rad.
     pub by_lean: [f64; 2],
 }
@@ -56,8 +56,8 @@ pub struct Scene {
     pub ln_depth: f64,
     /// How much of what they see the sensors average in radiance, 0..1: the rest in temperature.
     pub radiance: f64,
-    /// How much wider the sensors see than they are said to, as [`Family`] counts it.
-    pub spread: f64,
+    /// How else the sensors see than they are said to.
+    pub view: View,
     /// How far the horizon that is seen leans up to north and to west, where it is warmer, rad.
     pub lean: [f64; 2],
 }
@@ -105,7 +105,7 @@ impl Model {
         let sine = dot(direction, up);
         let share = scene.contrast_k / RADIANCE_K;
         let averaged = scene.radiance * share;
-        let level = |sine: f64| self.family.level(sine, scene.ln_depth, averaged, scene.spread);
+        let level = |sine: f64| self.family.level(sine, scene.ln_depth, averaged, scene.view);
         let high = level(sine);
         // What the level adds to a reading, times the contrast: a sensor shows what the sky is less than the ground.
         let (sign, ground_c, by_ground, sky, level) = match kind {
@@ -117,7 +117,7 @@ impl Model {
                     by_sine: high.by_sine + low.by_sine,
                     by_ln_depth: high.by_ln_depth - low.by_ln_depth,
                     by_radiance: high.by_radiance - low.by_radiance,
-                    by_spread: high.by_spread - low.by_spread,
+                    by_view: std::array::from_fn(|k| high.by_view[k] - low.by_view[k]),
                 };
                 (1.0, 0.0, 0.0, 1.4, pair)
             }
@@ -132,7 +132,7 @@ impl Model {
             by_depth: by_level * level.by_ln_depth,
             by_radiance: share * by_level * level.by_radiance,
             sky,
-            by_spread: by_level * level.by_spread,
+            by_view: level.by_view.map(|by| by_level * by),
             by_lean: [north, west].map(|axis| -slope * dot(direction, *axis)),
         }
     }
@@ -143,8 +143,14 @@ mod tests {
     use super::*;
     use crate::estimator::vector::rotation;
 
-    const SKY: Scene =
-        Scene { ground_c: 15.0, contrast_k: 35.0, ln_depth: -1.1, radiance: 0.3, spread: 0.2, lean: [0.0; 2] };
+    const SKY: Scene = Scene {
+        ground_c: 15.0,
+        contrast_k: 35.0,
+        ln_depth: -1.1,
+        radiance: 0.3,
+        view: [0.2, 0.3, -0.2],
+        lean: [0.0; 2],
+    };
 
     /// Each slope is what a small step changes, of sensors that show their own temperature and of pairs.
     #[test]
@@ -155,12 +161,14 @@ mod tests {
         head.sensors.iter_mut().take(3).for_each(|s| s.kind = pair);
         let model = Model::new(&head, FieldOfView::Gaussian { fwhm_deg: 90.0 });
         type Slope = (&'static str, fn(&Seen) -> f64, fn(&mut Scene, f64), f64);
-        let slopes: [Slope; 7] = [
+        let slopes: [Slope; 9] = [
             ("ground", |s| s.by_ground, |s, h| s.ground_c += h, 1e-6),
             ("contrast", |s| s.by_contrast, |s, h| s.contrast_k += h, 0.01),
             ("depth", |s| s.by_depth, |s, h| s.ln_depth += h, 1e-3),
             ("radiance", |s| s.by_radiance, |s, h| s.radiance += h, 1e-3),
-            ("spread", |s| s.by_spread, |s, h| s.spread += h, 1e-3),
+            ("spread", |s| s.by_view[0], |s, h| s.view[0] += h, 1e-3),
+            ("one form", |s| s.by_view[1], |s, h| s.view[1] += h, 1e-3),
+            ("another", |s| s.by_view[2], |s, h| s.view[2] += h, 1e-3),
             ("lean to north", |s| s.by_lean[0], |s, h| s.lean[0] += h, 1e-3),
             ("lean to west", |s| s.by_lean[1], |s, h| s.lean[1] += h, 1e-3),
         ];

@@ -3,7 +3,7 @@
 use super::askew;
 use super::model::{Model, Scene};
 use super::state::{
-    CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SPAN_K, SPREAD, State, TURN,
+    CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SPAN_K, State, TURN, VIEW,
 };
 use super::tuning::Tuning;
 use crate::estimator::flying::G_M_S2;
@@ -186,7 +186,7 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
         state.axes.map(|a| unit(add_scaled(a, age_s, cross(rate, a))).unwrap_or(a))
     };
     let scene = scene(state);
-    let mut slopes = [[(0_usize, 0.0_f64); 17]; MAX_SENSORS];
+    let mut slopes = [[(0_usize, 0.0_f64); 19]; MAX_SENSORS];
     for (i, slope) in slopes[..sensors].iter_mut().enumerate() {
         let s = model.seen(i, &axes, &scene);
         let [own, error, scale] = [1, 2, 3].map(|k| SEEN + k * sensors + i);
@@ -207,7 +207,9 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
             (CONTRAST, s.by_contrast),
             (DEPTH, s.by_depth),
             (RADIANCE, s.by_radiance),
-            (SPREAD, s.by_spread),
+            (VIEW, s.by_view[0]),
+            (VIEW + 1, s.by_view[1]),
+            (VIEW + 2, s.by_view[2]),
             (LEAN, north),
             (LEAN + 1, west),
             (own, s.sky),
@@ -216,7 +218,7 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
             (LAG, 0.0),
         ];
         slope.iter_mut().for_each(|(_, v)| *v *= gain);
-        slope[16].1 = lag;
+        slope[18].1 = lag;
         state.x[SEEN + i] = keep * state.x[SEEN + i] + gain * input;
         state.plain[i] = keep * state.plain[i] + gain * s.value;
         state.off[i] = off;
@@ -244,7 +246,7 @@ pub fn scene(state: &State) -> Scene {
         contrast_k: state.x[CONTRAST],
         ln_depth: state.x[DEPTH],
         radiance: state.x[RADIANCE],
-        spread: state.x[SPREAD],
+        view: state.view(),
         lean: [state.x[LEAN], state.x[LEAN + 1]],
     }
 }

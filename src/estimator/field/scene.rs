@@ -137,6 +137,11 @@ impl SceneStrength {
         self.seen = self.seen.map(|seen| seen.min(self.usual_k * self.usual_k));
     }
 
+    /// Nothing that was seen was a scene.
+    pub fn forget(&mut self) {
+        *self = Self::new(self.least.sqrt(), self.learning_s);
+    }
+
     /// How much stronger than usual they are, K.
     pub fn new_k(&self) -> f64 {
         (self.seen_k() - NEW * self.usual_k).max(0.0)

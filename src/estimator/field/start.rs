@@ -55,7 +55,7 @@ pub fn start(model: &Model, readings: &[Option<f64>; MAX_SENSORS], needed: usize
         contrast_k: sign * contrast_k,
         ln_depth: depth.0,
         radiance: tuning.radiance.0,
-        spread: 0.0,
+        view: [0.0; 3],
         lean: [0.0; 2],
     };
     let level = unit([0.3 * up[0], 0.3 * up[1], 1.0]).unwrap_or(up);

@@ -1,6 +1,7 @@
 //! The filter's state: values, covariance, and the two things done with them.
 
 use crate::estimator::vector::{Vector, cross, dot, product, rotation, unit};
+use crate::sky::family::View;
 use std::ops::Range;
 
 /// The most sensors that a head may have.
@@ -22,17 +23,17 @@ pub const LEAN: usize = 9;
 pub const OFFSET: usize = 11;
 /// The logarithm of the sensors' time constant over the configured one.
 pub const LAG: usize = 13;
-/// How much wider the sensors see than they are said to, as [`Family`](crate::sky::family::Family) counts it.
-pub const SPREAD: usize = 14;
+/// How else the sensors see than they are said to: wider, and as two other forms, a [`View`].
+pub const VIEW: usize = 14;
 /// How much of what they see the sensors average in radiance: 0 none of it, and all in temperature, 1 all of it.
-pub const RADIANCE: usize = 15;
+pub const RADIANCE: usize = 17;
 /// How far a gyro's axes are turned from the head's, rad about nose, left and up.
-pub const ASKEW: usize = 16;
+pub const ASKEW: usize = 18;
 /// How much too little a gyro shows about each of these, as a multiple of a share that is as likely.
-pub const SCALE: usize = 19;
+pub const SCALE: usize = 21;
 /// What each sensor shows, lag included; then each sensor's own scene; then what each shows too much wherever it looks;
 /// then what it shows too much of the sky.
-pub const SEEN: usize = 22;
+pub const SEEN: usize = 24;
 
 /// A sensor's scale is expected to be off by so much that it adds as much as its constant error where the sky is so much
 /// colder than the ground, K.
@@ -93,6 +94,11 @@ impl State {
     /// that is [`SPAN_K`] colder than the ground.
     pub fn errors(&self) -> Range<usize> {
         SEEN + 2 * self.sensors..SEEN + 4 * self.sensors
+    }
+
+    /// How else the sensors see than they are said to.
+    pub fn view(&self) -> View {
+        std::array::from_fn(|k| self.x[VIEW + k])
     }
 
     /// The upward vertical on (nose, left, up).

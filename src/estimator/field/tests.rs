@@ -1,6 +1,6 @@
 //! A flight under a sky of the family; what spoils it; the parts that learn.
 
-use super::state::{DEPTH, RATE, SEEN, SPREAD};
+use super::state::{DEPTH, RATE, SEEN, VIEW};
 use super::*;
 use crate::attitude::Attitude;
 use crate::frame::{Aiding, Sample};
@@ -174,7 +174,7 @@ fn one_reading_that_cannot_be_is_left_out_for_a_moment_and_no_longer() {
 /// Learnt beyond its bounds while a quick roll was taken for another sky, the depth took minutes to come back.
 #[test]
 fn neither_the_sky_s_depth_nor_how_wide_the_sensors_see_runs_away() {
-    for (i, (least, most)) in [(SPREAD, (-2.0, 2.0)), (DEPTH, LN_DEPTH)] {
+    for (i, (least, most)) in [(VIEW, (-2.0, 2.0)), (DEPTH, LN_DEPTH)] {
         let (mut e, _) = flown();
         let before = e.state.p[i][i];
         for (gone, back) in [(most + 2.0, most), (least - 1.2, least), (0.9, 0.9)] {

@@ -38,6 +38,9 @@ pub struct Tuning {
     /// How much wider the sensors see than they are said to, as [`Family`](crate::sky::family::Family) counts it: standard
     /// deviation.
     pub spread: f64,
+    /// How much they see as each of [two other forms](crate::sky::family::View) does, once it shows that they do: standard
+    /// deviation.
+    pub form: f64,
     /// How far a horizon leans where one side is warmer: at first and its walk.
     pub lean: (f64, f64),
     /// What its walk is more, as a share of what has been found.
@@ -99,6 +102,7 @@ impl Default for Tuning {
             depth: (-1.2, 0.8, 0.005),
             radiance: (0.3, 0.5),
             spread: 0.4,
+            form: 0.7,
             lean: (deg(0.05), deg(0.0022)),
             lean_share: 0.006,
             unlike_lean_walk: deg(0.1),

@@ -87,9 +87,9 @@ pub struct Witnesses {
     window: Window,
     /// The gyro's rates as the sensors show them.
     shown: Option<Vector>,
-    /// The sky's shape: the logarithm of its depth, how much is averaged in radiance, the spread of the field of view; the size
-    /// of scenes, K; how much the body turns without a gyro.
-    shape: [f64; 7],
+    /// The sky's shape: the logarithm of its depth, how much is averaged in radiance, the field of view; the size of scenes, K;
+    /// how much the body turns without a gyro.
+    shape: [f64; 9],
 }
 
 impl Witnesses {
@@ -179,7 +179,8 @@ impl Witnesses {
         let n = model.sensors();
         let own_k = known.pace.scene_k2.sqrt().max(SCENE.0).max(SCENE.1 * known.sky.contrast_k.abs());
         let [roll, pitch, yaw] = known.pace.rate;
-        let now = [known.sky.ln_depth, known.sky.radiance, known.sky.spread, own_k, roll, pitch, yaw];
+        let [spread, one, other] = known.sky.view;
+        let now = [known.sky.ln_depth, known.sky.radiance, spread, one, other, own_k, roll, pitch, yaw];
         let rival = self.rival.as_ref().map(|r| &r.witness);
         let sound = self.all.iter().chain(&self.without).chain(rival).all(Witness::is_sound);
         if self.all.is_none() || !sound || self.without.len() != n {
@@ -199,7 +200,7 @@ impl Witnesses {
             let share = -(-window.dt_s / SHAPE_S).exp_m1();
             self.shape.iter_mut().zip(now).for_each(|(s, n)| *s += share * (n - *s));
         }
-        let [ln_depth, radiance, spread, own_k, turning @ ..] = self.shape;
+        let [ln_depth, radiance, spread, one, other, own_k, turning @ ..] = self.shape;
         let gyro = known.gyro.map(|_| window.turned.map(|a| a / window.dt_s));
         let rate = match gyro {
             Some(rates) => rates.map(|r| GYRO.0 + GYRO.1 * r.abs()),
@@ -215,7 +216,7 @@ impl Witnesses {
             walk_k: [WALK.0, contrast * WALK.1.max(known.pace.contrast * t.contrast.0)],
             own: (own_k, keep),
             noise_k: known.noise_k,
-            sky: Scene { ln_depth, radiance, spread, ..known.sky },
+            sky: Scene { ln_depth, radiance, view: [spread, one, other], ..known.sky },
         };
         let readings: [Option<f64>; MAX_SENSORS] =
             std::array::from_fn(|i| (window.count[i] > 0).then(|| window.sum[i] / f64::from(window.count[i])));
