@@ -71,6 +71,7 @@ impl FieldEstimator {
             sky: scene(s),
             pace,
             gyro: self.turning(),
+            usual_k: self.scene.usual_k(),
             noise_k: self.noise.variance().sqrt(),
             lag_s: self.tuning.lag_s * s.x[LAG].clamp(-2.0, 2.0).exp(),
         };

@@ -142,6 +142,11 @@ impl SceneStrength {
         *self = Self::new(self.least.sqrt(), self.learning_s);
     }
 
+    /// The size of what has usually been seen of them, K.
+    pub fn usual_k(&self) -> f64 {
+        self.usual_k
+    }
+
     /// How much stronger than usual they are, K.
     pub fn new_k(&self) -> f64 {
         (self.seen_k() - NEW * self.usual_k).max(0.0)

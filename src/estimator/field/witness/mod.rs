@@ -41,6 +41,8 @@ const SHAPE_S: f64 = 5.0;
 const FEWEST: usize = 5;
 /// A scene's least size, K and as a share of the contrast.
 const SCENE: (f64, f64) = (0.25, 0.005);
+/// Scenes that have become so many times stronger than they usually are may be what one sensor does.
+const NEW: f64 = 2.0;
 /// Walks of ground, K, and contrast, as a share of it, for a second.
 const WALK: (f64, f64) = (0.5, 0.1);
 /// Doubt of a gyro's rates: rad/s and as a share of them.
@@ -57,6 +59,8 @@ pub struct Known<'a> {
     pub pace: &'a Pace,
     /// The gyro's rates less their bias, rad/s.
     pub gyro: Option<Vector>,
+    /// How strong scenes usually are, K.
+    pub usual_k: f64,
     /// Noise of a reading, K.
     pub noise_k: f64,
     /// The sensors' time constant, s.
@@ -177,7 +181,8 @@ impl Witnesses {
 
     fn step(&mut self, model: &Model, t: &Tuning, known: &Known<'_>, window: &Window) {
         let n = model.sensors();
-        let own_k = known.pace.scene_k2.sqrt().max(SCENE.0).max(SCENE.1 * known.sky.contrast_k.abs());
+        let own_k =
+            known.pace.scene_k2.sqrt().min(NEW * known.usual_k).max(SCENE.0).max(SCENE.1 * known.sky.contrast_k.abs());
         let [roll, pitch, yaw] = known.pace.rate;
         let [spread, one, other] = known.sky.view;
         let now = [known.sky.ln_depth, known.sky.radiance, spread, one, other, own_k, roll, pitch, yaw];

@@ -71,7 +71,8 @@ impl Court {
             }
             spoil(&mut readings);
             let gyro = self.gyro.then(|| rates(time_s - 0.01));
-            let known = Known { axes: axes(time_s), sky: SKY, pace: &PACE, gyro, noise_k: 0.085, lag_s: 0.0 };
+            let known =
+                Known { axes: axes(time_s), sky: SKY, pace: &PACE, gyro, usual_k: 0.1, noise_k: 0.085, lag_s: 0.0 };
             self.witnesses.update(&self.model, &Tuning::default(), &known, &readings, 0.02);
             for (i, out) in out.iter_mut().enumerate() {
                 *out |= self.witnesses.standing(i) == Standing::LeftOut;
@@ -239,7 +240,8 @@ fn without_readings_without_sensors_and_with_gaps_nothing_is_decided() {
     for count in [0, 1, 6] {
         let mut court = Court::of(count, false);
         assert_eq!(court.hear(5.0, |r| *r = Readings::default()), [0; 0]);
-        let known = Known { axes: axes(0.0), sky: SKY, pace: &PACE, gyro: None, noise_k: 0.085, lag_s: 0.0 };
+        let known =
+            Known { axes: axes(0.0), sky: SKY, pace: &PACE, gyro: None, usual_k: 0.1, noise_k: 0.085, lag_s: 0.0 };
         for dt_s in [0.0, -1.0, 5.0, f64::NAN, f64::INFINITY] {
             court.witnesses.update(&court.model, &Tuning::default(), &known, &[Some(3.0); MAX_SENSORS], dt_s);
         }
