@@ -39,13 +39,15 @@ struct Court {
     noise: Noise,
     gyro: bool,
     scan: u32,
+    pace: Pace,
+    usual_k: f64,
 }
 
 impl Court {
     fn new(head: &Head, gyro: bool) -> Self {
         let model = Model::new(head, FieldOfView::Gaussian { fwhm_deg: 90.0 });
         let witnesses = Witnesses::new(model.sensors());
-        Self { model, witnesses, noise: Noise::new(17), gyro, scan: 0 }
+        Self { model, witnesses, noise: Noise::new(17), gyro, scan: 0, pace: PACE, usual_k: 0.1 }
     }
 
     /// Of the first `count` of six sensors.
@@ -71,8 +73,15 @@ impl Court {
             }
             spoil(&mut readings);
             let gyro = self.gyro.then(|| rates(time_s - 0.01));
-            let known =
-                Known { axes: axes(time_s), sky: SKY, pace: &PACE, gyro, usual_k: 0.1, noise_k: 0.085, lag_s: 0.0 };
+            let known = Known {
+                axes: axes(time_s),
+                sky: SKY,
+                pace: &self.pace,
+                gyro,
+                usual_k: self.usual_k,
+                noise_k: 0.085,
+                lag_s: 0.0,
+            };
             self.witnesses.update(&self.model, &Tuning::default(), &known, &readings, 0.02);
             for (i, out) in out.iter_mut().enumerate() {
                 *out |= self.witnesses.standing(i) == Standing::LeftOut;
@@ -115,6 +124,19 @@ fn one_that_goes_its_own_way_is_left_out_alone_and_told_what_it_should_show() {
             court.hear(20.0, |_| {});
             assert!(sensor == 5 || court.witnesses.standing(sensor) == Standing::Heard, "{what}");
         }
+    }
+}
+
+/// What one sensor shows may be learnt as the strength of scenes before it surprises. Where scenes are usually weak that
+/// speaks against it as before; where they have always been as strong it does not.
+#[test]
+fn scenes_that_have_just_become_strong_hide_no_sensor() {
+    for (usual_k, out) in [(0.1, vec![2]), (2.0, vec![])] {
+        let mut court = Court::of(6, true);
+        court.hear(10.0, |_| {});
+        (court.pace.scene_k2, court.usual_k) = (4.0, usual_k);
+        court.hear(10.0, |_| {});
+        assert_eq!(court.hear(8.0, off(&[2], 4.0)), out, "{usual_k} K");
     }
 }
 
