@@ -51,7 +51,7 @@ pub struct Case {
     /// Whether it is far enough off to be left out.
     guilty: bool,
     /// How well all others fit together without it: 1 where there is nothing but noise.
-    others_fit: f64,
+    pub others_fit: f64,
     doubted_s: f64,
     /// Whether it has been in accord with the others for long enough.
     is_back: bool,

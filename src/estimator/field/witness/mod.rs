@@ -35,6 +35,8 @@ const STEP_S: f64 = 0.05;
 const GAP_S: f64 = 1.0;
 /// A sum of surprises never falls below, nor rises above.
 const BOUNDS: (f64, f64) = (-5.0, 300.0);
+/// As well must all others fit, by the squares of their surprises, for the one that leads to stay ahead beyond that.
+const FIT: f64 = 0.2;
 /// The sky's shape is followed over this time, s, and not while any sensor surprises.
 const SHAPE_S: f64 = 5.0;
 /// As many sensors must be heard for one to be doubted.
@@ -238,10 +240,11 @@ impl Witnesses {
                 case.hear(i, readings[i], &whole, (window.dt_s, contrast, known.sky.ground_c, second));
             } else {
                 let testimony = witness.hear(model, &step, &readings);
-                case.surprise = (case.surprise + testimony.likelihood - whole.likelihood).clamp(BOUNDS.0, BOUNDS.1);
+                case.surprise += testimony.likelihood - whole.likelihood;
                 case.hear(i, readings[i], &testimony, (window.dt_s, contrast, known.sky.ground_c, second));
             }
         }
+        self.bound();
         if let Some(rival) = &mut self.rival {
             rival.hear(model, &step, &readings, whole.expected[rival.left_out]);
             if self.reconsider(model, &step.sky) {
@@ -250,6 +253,18 @@ impl Witnesses {
         }
         let enough = heard >= if gyro.is_some() { FEWEST } else { FEWEST + 1 };
         self.judge(model, own_k, enough, second);
+    }
+
+    /// Keeps the sums within bounds. Where all others fit without the one that leads they stay as far apart as they are: who it
+    /// is is to be seen however much surprises. At a wall, in a valley, none fits, and all come to the bound.
+    fn bound(&mut self) {
+        let most = self.cases.iter().map(|c| c.surprise).fold(BOUNDS.1, f64::max);
+        let fits = self.cases.iter().any(|c| c.surprise >= most && c.others_fit < FIT);
+        let over = if fits { most - BOUNDS.1 } else { 0.0 };
+        let others = self.others.iter_mut().map(|o| &mut o.surprise);
+        let heard = self.cases.iter_mut().filter(|c| c.standing != Standing::LeftOut);
+        let sums = heard.map(|c| &mut c.surprise).chain(others);
+        sums.for_each(|sum| *sum = (*sum - over).clamp(BOUNDS.0, BOUNDS.1));
     }
 
     /// All witnesses begin with what one of them knows.

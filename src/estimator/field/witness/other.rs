@@ -58,8 +58,7 @@ impl Other {
             Blames::Pilot => Step { rate: ([AEROBATIC; 3], t.rate_time_s), ..*step },
             Blames::Scene => *step,
         };
-        let gain = self.witness.hear(model, &step, readings).likelihood - likelihood;
-        self.surprise = (self.surprise + gain).clamp(BOUNDS.0, BOUNDS.1);
+        self.surprise += self.witness.hear(model, &step, readings).likelihood - likelihood;
     }
 }
 

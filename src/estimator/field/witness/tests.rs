@@ -140,6 +140,23 @@ fn scenes_that_have_just_become_strong_hide_no_sensor() {
     }
 }
 
+/// As much as can be counted may be against two: the one without which all others fit stays ahead, and where none is that
+/// nobody is.
+#[test]
+fn who_is_ahead_is_seen_however_much_surprises() {
+    for (others_fit, apart) in [(0.1, 100.0), (2.0, 0.0)] {
+        let mut court = Court::of(6, false);
+        court.hear(1.0, |_| {});
+        let w = &mut court.witnesses;
+        w.cases[0].others_fit = others_fit;
+        (w.cases[0].surprise, w.cases[1].surprise) = (BOUNDS.1 + 200.0, BOUNDS.1 + 100.0);
+        w.bound();
+        assert_eq!(w.cases[0].surprise, BOUNDS.1);
+        assert!((w.cases[0].surprise - w.cases[1].surprise - apart).abs() < 1e-9, "{others_fit}");
+        assert!(w.cases[2..6].iter().all(|c| c.surprise >= BOUNDS.0));
+    }
+}
+
 /// Walls on both sides, one of them nearer, that close ahead: four sensors show too much of what none of them is to blame for.
 #[test]
 fn where_many_are_as_suspect_none_is_left_out() {
