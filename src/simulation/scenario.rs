@@ -187,7 +187,8 @@ impl Scenario {
         Head::new(sensors.into(), Vec::new())
     }
 
-    /// The field of view that an estimator is told; the sensors' true one but in `narrow`, and where they are [seeing](Self::seeing) otherwise.
+    /// The field of view that an estimator is told; the sensors' true one but in `narrow`, and where they are
+    /// [seeing](Self::seeing) otherwise.
     pub fn field(&self) -> FieldOfView {
         USUAL
     }

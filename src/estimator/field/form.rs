@@ -25,7 +25,7 @@ const NONE: f64 = 1e-4;
 /// What the sky's shape is told by, in the order of [`Directions::shape`].
 pub const SHAPES: [usize; SHAPE] = [DEPTH, RADIANCE, VIEW, VIEW + 1, VIEW + 2];
 
-/// Over this time it is looked at, s, and as often decided.
+/// What was seen is forgotten over this time, s; so often it is asked what it tells.
 const WINDOW_S: f64 = 40.0;
 const STEP_S: f64 = 0.5;
 /// As much must be explained that was not, K rms, beyond so many times the square of one frame's noise, which chance may
@@ -140,7 +140,7 @@ impl FieldEstimator {
         (self.state.askew2, self.turned) = (before.askew2, turned);
     }
 
-    /// How much of another form is expected.
+    /// How much of another form is expected from a beginning on; what was seen before it tells no more.
     pub(super) fn set_form(&mut self) {
         let expected = if self.form.found { self.tuning.form } else { NONE };
         self.form = Form { found: self.form.found, ..Form::default() };

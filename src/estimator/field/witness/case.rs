@@ -28,6 +28,8 @@ const FIT: f64 = 1.7;
 const FIT_S: f64 = 0.5;
 /// What is left of that where nothing else is amiss: readings are averaged, and noise leaves less than 1.
 const PLAIN: f64 = 0.3;
+/// Nothing but noise is there for certain below this.
+const BEST: f64 = 0.2;
 /// Doubt of small matters ends after this time, s.
 const DOUBT_S: f64 = 1.5;
 
@@ -127,6 +129,11 @@ impl Case {
     /// Whether all others fit together without it as well as if there were nothing but noise.
     pub fn is_all_there_is(&self) -> bool {
         self.others_fit < PLAIN
+    }
+
+    /// Whether all others fit together without it even better: it alone is what is wrong, however much surprises.
+    pub fn explains_all(&self) -> bool {
+        self.others_fit < BEST
     }
 
     /// Whether it has been doubted for long, for what is too small to leave it out.

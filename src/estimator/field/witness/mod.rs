@@ -35,8 +35,6 @@ const STEP_S: f64 = 0.05;
 const GAP_S: f64 = 1.0;
 /// A sum of surprises never falls below, nor rises above.
 const BOUNDS: (f64, f64) = (-5.0, 300.0);
-/// As well must all others fit, by the squares of their surprises, for the one that leads to stay ahead beyond that.
-const FIT: f64 = 0.2;
 /// The sky's shape is followed over this time, s, and not while any sensor surprises.
 const SHAPE_S: f64 = 5.0;
 /// As many sensors must be heard for one to be doubted.
@@ -259,7 +257,7 @@ impl Witnesses {
     /// is is to be seen however much surprises. At a wall, in a valley, none fits, and all come to the bound.
     fn bound(&mut self) {
         let most = self.cases.iter().map(|c| c.surprise).fold(BOUNDS.1, f64::max);
-        let fits = self.cases.iter().any(|c| c.surprise >= most && c.others_fit < FIT);
+        let fits = self.cases.iter().any(|c| c.surprise >= most && c.explains_all());
         let over = if fits { most - BOUNDS.1 } else { 0.0 };
         let others = self.others.iter_mut().map(|o| &mut o.surprise);
         let heard = self.cases.iter_mut().filter(|c| c.standing != Standing::LeftOut);
