@@ -1,9 +1,9 @@
 //! When the scene is found not to be alike all around.
 
-use super::state::{DEPTH, LEAN, RATE, TURN, VIEW};
+use super::state::{CONTRAST, DEPTH, LEAN, RATE, TURN, VIEW};
 use super::{FieldEstimator, lean};
 use crate::attitude::Attitude;
-use crate::estimator::unseen_lean;
+use crate::estimator::{PAIR_SLOPE, unseen_lean};
 use crate::time::Time;
 
 /// What no sky alike all around explains, from nothing to certain: below the first there is none (again),
@@ -53,6 +53,18 @@ impl FieldEstimator {
             self.tilted |= sure;
             self.doubt_attitude(even);
         }
+    }
+
+    /// The tilt that scenes of so many K may hide, rad.
+    pub(super) fn hidden(&self, scene_k: f64) -> f64 {
+        2.0 * self.tuning.hidden.0 * scene_k / (PAIR_SLOPE * self.state.x[CONTRAST].abs().max(1.0))
+    }
+
+    /// The tilt that the scene may hide, rad: what is new may be a wall. What one sensor does is no scene; with a gyro that
+    /// is soon known.
+    pub(super) fn may_hide(&self) -> f64 {
+        let sensor = self.gyro.in_use() && self.witnesses.undecided();
+        self.hidden(if sensor { self.scene.seen_k() } else { self.scene.hiding_k() })
     }
 
     /// The walk of how the horizon leans while the scene is seen to be unlike, as far as slow references tell of it, rad for

@@ -241,7 +241,7 @@ impl FieldEstimator {
             contrast_k: Some(contrast_k),
             seen_k: Some([0.0, 0.0, self.seen_k]),
             sensors: std::array::from_fn(|i| self.hearing(i)),
-            hidden: Some(self.hidden(self.scene.seen_k())),
+            hidden: Some(self.may_hide()),
             hint: self.hint(),
         }
     }
@@ -256,11 +256,6 @@ impl FieldEstimator {
     /// A gyro's rates as they are by all that is known of it, rad/s on nose, left, up.
     fn turning(&self) -> Option<Vector> {
         self.gyro.rates().map(|gyro| rates(&self.state, &self.tuning, Some(gyro)))
-    }
-
-    /// The tilt that scenes of so many K may hide, rad.
-    fn hidden(&self, scene_k: f64) -> f64 {
-        2.0 * self.tuning.hidden.0 * scene_k / (PAIR_SLOPE * self.state.x[CONTRAST].abs().max(1.0))
     }
 
     /// The contrast that this frame alone shows, K; below 0 where ground and sky look exchanged.

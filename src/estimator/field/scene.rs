@@ -15,6 +15,9 @@ const LATELY_S: f64 = 120.0;
 /// Over this time it is seen how strong scenes usually are, s; what is no stronger than so many times that is nothing new.
 const USUAL_S: f64 = 60.0;
 const NEW: f64 = 1.5;
+/// What is new may be a wall, and hides so many times as much as what has been there all along, such as errors of the
+/// sensors.
+const NEW_HIDES: f64 = 2.5;
 /// How long it has to be unlike to have been so for long, s.
 const LONG_S: f64 = 30.0;
 /// Noise leaves so much in that average, K, where it is as small as it should be, at 50 Hz: of more, so many times its
@@ -152,6 +155,11 @@ impl SceneStrength {
         (self.seen_k() - NEW * self.usual_k).max(0.0)
     }
 
+    /// The size of what hides a tilt, K.
+    pub fn hiding_k(&self) -> f64 {
+        self.seen_k().max(NEW_HIDES * self.new_k())
+    }
+
     /// What sensor `i` has lately shown beyond its prediction, K.
     pub fn left_k(&self, i: usize) -> f64 {
         self.left[i]
@@ -162,4 +170,21 @@ impl SceneStrength {
 fn unlike(seen: f64) -> f64 {
     let x = ((seen.sqrt() - UNLIKE_K.0) / (UNLIKE_K.1 - UNLIKE_K.0)).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seeing(seen_k: f64, usual_k: f64) -> SceneStrength {
+        SceneStrength { seen: [seen_k * seen_k; 2], usual_k, ..SceneStrength::new(0.02, (1.0, 10.0)) }
+    }
+
+    #[test]
+    fn what_is_new_hides_more_than_what_was_always_there() {
+        assert_eq!(seeing(0.2, 0.0).hiding_k(), 0.5);
+        for usual_k in [0.15, 0.2, 0.5] {
+            assert_eq!(seeing(0.2, usual_k).hiding_k(), 0.2, "{usual_k}");
+        }
+    }
 }
