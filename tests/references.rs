@@ -6,6 +6,7 @@ mod flights;
 
 use field::field;
 use flights::{Flown, hear, said, score};
+use irhorizon::frame::{Aiding, Frame};
 use irhorizon::simulation::Scenario;
 use irhorizon::simulation::aircraft::Aircraft;
 use irhorizon::simulation::instruments::Fitted;
@@ -48,4 +49,37 @@ fn none_pulls_a_good_attitude_away() {
 #[test]
 fn a_leaning_horizon_is_found_all_the_same() {
     flown("warm-slope", 1.3, 90.0);
+}
+
+/// Leaves out of a frame those of gyro, GPS and airspeed that are not `there`.
+fn leave(frame: &mut Frame, there: [bool; 3]) {
+    let all = frame.aiding;
+    frame.aiding = Aiding {
+        gyro_deg_s: if there[0] { all.gyro_deg_s } else { [None; 3] },
+        airspeed_m_s: all.airspeed_m_s.filter(|_| there[2]),
+        ..if there[1] { all } else { Aiding::default() }
+    };
+}
+
+/// Under an even sky, whichever of them are heard: as good as without any, and with a gyro better.
+#[test]
+fn some_of_them_are_no_worse_than_none() {
+    let scenario = Scenario::named("clear-dry").unwrap();
+    let flights = Flown::all(&scenario, 3);
+    for i in 0..9 {
+        let come_and_go = i == 8;
+        let there = [i & 1 != 0, i & 2 != 0, i & 4 != 0];
+        let change = |frame: &mut Frame| {
+            let time_s = frame.time.as_secs_f64();
+            let coming = [7.0, 11.0, 17.0].map(|s| ((time_s / s) as u32).is_multiple_of(2));
+            leave(frame, if come_and_go { coming } else { there });
+        };
+        let score = score(&flights, change, || said(field(&scenario.head(), 0.1)));
+        let [roll, pitch] = [score.roll_rms_deg, score.pitch_rms_deg].map(|v| v.unwrap());
+        let (p99, worst) = (score.error_p99_deg.unwrap(), score.underestimated_worst_deg.unwrap());
+        println!("gyro, GPS, airspeed {there:?}, {come_and_go}: {roll:.2} / {pitch:.2} / {p99:.2}, worst {worst:.2}");
+        let limits = if there[0] { [0.1, 0.35, 1.0] } else { [0.4, 1.1, 3.0] };
+        assert_eq!(score.withheld_percent, Some(0.0));
+        assert!(roll.max(pitch) <= limits[0] && p99 <= limits[1] && worst <= limits[2], "{there:?}: {score:?}");
+    }
 }

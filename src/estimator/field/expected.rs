@@ -22,7 +22,7 @@ pub struct IfExpected {
 
 impl IfExpected {
     /// Had a variance of `large` been expected of each of `states` (no more than two for each of [`MAX_SENSORS`]) where it
-    /// was `was`; none where more was expected.
+    /// was `was`; none where more was expected, or nothing at all is.
     pub fn of(state: &State, states: Range<usize>, (was, large): (f64, f64)) -> Option<Self> {
         let n = states.len();
         let mut made = Self { x: [0.0; MOST], p: [[0.0; MOST]; MOST], likelier: 0.0 };
@@ -54,8 +54,8 @@ pub fn expect(state: &mut State, states: Range<usize>, (was, large): (f64, f64))
 }
 
 /// The variance of the measurement that takes out an expectation of variance `was` and puts in `large`; none where
-/// that was no smaller, or the readings have told less than nothing.
+/// that was no smaller, or the readings have told less than nothing, or the state is none of this filter's.
 fn negative(variance: f64, was: f64, large: f64) -> Option<f64> {
     let taken = 1.0 / (1.0 / large - 1.0 / was);
-    (was < large && variance < (1.0 + 1e-9) * was).then_some(taken)
+    (was < large && variance > 0.0 && variance < (1.0 + 1e-9) * was).then_some(taken)
 }

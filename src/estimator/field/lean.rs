@@ -174,6 +174,17 @@ mod tests {
         assert!(state.x[LEAN] > 0.01 && left < 0.2 && state.is_sound(), "{left}");
     }
 
+    /// As without a gyro.
+    #[test]
+    fn where_none_is_expected_at_all_there_is_none() {
+        let mut state = told(0.05, &[]);
+        (LEAN..LEAN + 2).for_each(|i| state.set_variance(i, 0.0));
+        assert!(!shows(&state, 1.2));
+        assert_eq!(unexpected(&state, 1.2), [0.0; 2]);
+        expect(&mut state, 1.2);
+        assert_eq!((state.x[LEAN], state.p[LEAN][LEAN]), (0.0, 0.0));
+    }
+
     #[test]
     fn no_more_is_taken_out_than_there_is() {
         let mut state = told(0.05, &around(1.0));

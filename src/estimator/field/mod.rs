@@ -353,7 +353,7 @@ impl Estimator for FieldEstimator {
         self.look(frame, now);
         self.aid.update(&frame.aiding, &mut self.state, &self.tuning, (now, dt_s), self.gyro.rates());
         let carried_s = if self.gyro.in_use() { CARRIED_S.1 } else { CARRIED_S.0 };
-        if now.since(full) > carried_s { Solution::default() } else { self.solution() }
+        if now.since(full) > carried_s || !self.state.is_sound() { Solution::default() } else { self.solution() }
     }
 }
 
