@@ -2,6 +2,7 @@
 
 use super::aid::Aid;
 use super::correct::Misfit;
+use super::moved::Moved;
 use super::scene::SceneStrength;
 use super::start::{Start, start};
 use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, State, TURN, VIEW};
@@ -37,6 +38,7 @@ impl FieldEstimator {
         self.aid = Aid::default();
         self.misfit = Misfit::default();
         self.averaging = None;
+        self.moved = Moved::default();
         (self.unlike, self.tilted, self.found_s, self.off_s, self.askew_s) = (false, false, 0.0, 0.0, 0.0);
         let lately = self.scene.lately_unlike();
         (self.rates, self.gyro_errors, self.contrast, self.scene) = paces(&t);

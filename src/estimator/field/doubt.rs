@@ -63,8 +63,10 @@ impl FieldEstimator {
     /// The tilt that the scene may hide, rad: what is new may be a wall. What one sensor does is no scene; with a gyro that
     /// is soon known.
     pub(super) fn may_hide(&self) -> f64 {
-        let sensor = self.gyro.in_use() && self.witnesses.undecided();
-        self.hidden(if sensor { self.scene.seen_k() } else { self.scene.hiding_k() })
+        if self.gyro.in_use() && self.witnesses.undecided() {
+            return self.hidden(self.scene.seen_k());
+        }
+        self.hidden(self.scene.hiding_k()).max(self.moved.hides())
     }
 
     /// The walk of how the horizon leans while the scene is seen to be unlike, as far as slow references tell of it, rad for

@@ -1,5 +1,6 @@
 //! Which readings are heard: new ones, of sensors that nothing speaks against.
 
+use super::moved::Moved;
 use super::predict::{Pace, scene};
 use super::state::{LAG, MAX_SENSORS};
 use super::stuck::Stuck;
@@ -83,6 +84,7 @@ impl FieldEstimator {
             let newly = |i: &usize| before[*i] != Standing::LeftOut && self.witnesses.blames_only(*i);
             if let Some(i) = (0..self.model.sensors()).find(newly) {
                 self.scene.blame(i);
+                self.moved = Moved::default();
             }
         }
         for (i, reading) in readings.iter_mut().enumerate() {

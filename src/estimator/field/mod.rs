@@ -35,6 +35,7 @@ mod hear;
 mod hint;
 mod lean;
 mod model;
+mod moved;
 mod noise;
 mod output;
 mod predict;
@@ -68,9 +69,10 @@ use correct::Misfit;
 use form::Form;
 use gyro::Gyro;
 use model::Model;
+use moved::Moved;
 use noise::NoiseLevel;
 use output::{attitude, moving};
-use predict::{Pace, correction, predict, rates};
+use predict::{Pace, correction, predict, rates, scene};
 use scene::SceneStrength;
 use state::{CONTRAST, State};
 use stuck::Stuck;
@@ -144,6 +146,8 @@ pub struct FieldEstimator {
     /// For how long one reading has been far from what it was predicted, s.
     glitch_s: f64,
     /// How far it has turned about the vertical since it began, rad.
+    /// How far the sky's shape has moved.
+    moved: Moved,
     turned: f64,
 }
 
@@ -191,6 +195,7 @@ impl FieldEstimator {
             averaging: None,
             glitch_s: 0.0,
             turned: 0.0,
+            moved: Moved::default(),
         }
     }
 
@@ -230,7 +235,7 @@ impl FieldEstimator {
         // Angles are shown larger by the least doubt, that of the model: more of it, and what the aircraft does, may as
         // well be on the other side.
         let (guarded, sigma) = (doubted(at_rest, least_k), doubted(own, most_k));
-        let sigma = [unheard, leaning, late]
+        let sigma = [unheard, leaning, late, self.walled(attitude)]
             .iter()
             .fold(sigma, |all, one| Attitude { roll: all.roll.hypot(one.roll), pitch: all.pitch.hypot(one.pitch) });
         attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);
@@ -350,6 +355,7 @@ impl Estimator for FieldEstimator {
             self.calibrate(dt_s);
         }
         self.correct(&readings, dt_s);
+        self.moved.update(self.model.at_horizon(&scene(&self.state)), dt_s);
         self.look(frame, now);
         self.aid.update(&frame.aiding, &mut self.state, &self.tuning, (now, dt_s), self.gyro.rates());
         let carried_s = if self.gyro.in_use() { CARRIED_S.1 } else { CARRIED_S.0 };

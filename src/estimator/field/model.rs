@@ -96,6 +96,11 @@ impl Model {
         Some((self.channels.get(i)?.kind.kelvin(sample.value)?, sample.time))
     }
 
+    /// How much colder than the ground an even horizon looks, as a share of the contrast, were that [`RADIANCE_K`].
+    pub fn at_horizon(&self, scene: &Scene) -> f64 {
+        self.family.level(0.0, scene.ln_depth, scene.radiance, scene.view).value
+    }
+
     /// What sensor `i` shows at rest with these level axes (rows: north, west, up on the body).
     pub fn seen(&self, i: usize, axes: &[Vector; 3], scene: &Scene) -> Seen {
         let Channel { direction, kind } = self.channels[i];
