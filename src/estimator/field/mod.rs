@@ -318,7 +318,7 @@ impl Estimator for FieldEstimator {
         if lost {
             self.gyro.distrust();
         }
-        if lost || !(0.0..GAP_S).contains(&dt_s) || !self.state.is_sound() {
+        if lost || !(0.0..GAP_S).contains(&dt_s) {
             let begun = self.begin(&self.lately(&readings, now), now);
             if begun {
                 self.consider_averaging(now);
@@ -359,7 +359,11 @@ impl Estimator for FieldEstimator {
         self.look(frame, now);
         self.aid.update(&frame.aiding, &mut self.state, &self.tuning, (now, dt_s), self.gyro.rates());
         let carried_s = if self.gyro.in_use() { CARRIED_S.1 } else { CARRIED_S.0 };
-        if now.since(full) > carried_s || !self.state.is_sound() { Solution::default() } else { self.solution() }
+        if !self.state.is_sound() {
+            self.last = None;
+            return Solution::default();
+        }
+        if now.since(full) > carried_s { Solution::default() } else { self.solution() }
     }
 }
 
