@@ -83,3 +83,25 @@ fn some_of_them_are_no_worse_than_none() {
         assert!(roll.max(pitch) <= limits[0] && p99 <= limits[1] && worst <= limits[2], "{there:?}: {score:?}");
     }
 }
+
+/// Rates that come with every second scan, every fifth, every twelfth: rougher the rarer, said so by σ, and worse than none
+/// in no case.
+#[test]
+fn a_slow_gyro_is_no_worse_than_none() {
+    let scenario = Scenario::named("clear-dry").unwrap();
+    let flights = Flown::all(&scenario, 3);
+    let rms = |every: u64| {
+        let change =
+            |frame: &mut Frame| leave(frame, [(frame.time.as_nanos() / 20_000_000).is_multiple_of(every), true, true]);
+        let score = score(&flights, change, || said(field(&scenario.head(), 0.1)));
+        let [roll, pitch] = [score.roll_rms_deg, score.pitch_rms_deg].map(|v| v.unwrap());
+        let covered = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap());
+        println!("every {every}. scan: {roll:.3} / {pitch:.3}; 2 sigma {covered:.1?} %");
+        assert!(covered.iter().all(|c| *c > 92.0), "every {every}. scan: {covered:?}");
+        roll.max(pitch)
+    };
+    let none = rms(u64::MAX);
+    for (every, most) in [(2, 0.2), (5, 0.6), (12, 1.05)] {
+        assert!(rms(every) < most * none, "every {every}. scan");
+    }
+}

@@ -1,16 +1,28 @@
 //! Body rates, and when to believe them.
 
 use crate::attitude::Attitude;
-use crate::estimator::vector::{Vector, dot, product, rotation};
+use crate::estimator::vector::{Vector, add_scaled, dot, product, rotation};
 use crate::frame::Aiding;
 use crate::time::Time;
 
 /// A sample older than this is none, and frames farther apart cannot use one, s.
 const AGE_S: f64 = 0.25;
+/// Samples that come more slowly than the first, on the average, tell less than the thermopiles alone; of those in use the
+/// second, s.
+const SLOW_S: (f64, f64) = (0.15, 0.19);
+/// A share of each interval, in that average.
+const INTERVALS: f64 = 0.1;
 /// Faster than this nothing that flies can turn, °/s.
 const FASTEST_DEG_S: f64 = 2000.0;
 /// A gyro that was wrong is believed again after this, s; twice as long each time.
 const DISTRUST_S: (f64, f64) = (20.0, 640.0);
+/// How far rates bend between samples is averaged over so long, s.
+const BENT_S: f64 = 4.0;
+/// The variance of the mean rate between two samples, of the square by which a sample is off the line through the two
+/// before: of rates that wander as by chance, the line from one to the next is off by a 24th.
+const WANDERS: f64 = 1.0 / 24.0;
+/// The same, where frames in between go by the sample before.
+const HELD: f64 = 1.0 / 6.0;
 
 /// The gyro of an autopilot.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +30,14 @@ pub struct Gyro {
     last: Option<(Vector, Time)>,
     rates: Option<Vector>,
     now: Time,
+    /// How far samples are apart, on the average, s.
+    interval_s: Option<f64>,
+    /// By how much the last sample differed from the one before.
+    change: Option<Vector>,
+    /// The variance of what it turns more or less than its samples say, rad²/s about nose, left, up, and how long that has
+    /// been learnt, s.
+    walk: Vector,
+    learnt_s: f64,
     /// From the airframe's axes to the head's; `None` where they are the same.
     to_head: Option<[Vector; 3]>,
     wrong_since: Option<Time>,
@@ -30,6 +50,10 @@ impl Gyro {
         self.now = now;
         let before = self.rates.is_some();
         self.rates = self.current(aiding, now, dt_s);
+        let slow_s = if before { SLOW_S.1 } else { SLOW_S.0 };
+        if self.interval_s.is_some_and(|s| s > slow_s) {
+            self.rates = None;
+        }
         if self.wrong_since.is_some_and(|at| (0.0..self.distrust_s).contains(&now.since(at))) {
             self.rates = None;
         }
@@ -44,12 +68,37 @@ impl Gyro {
             // Front, right, down to nose, left, up.
             let rates = [p, -q, -r].map(f64::to_radians);
             let rates = self.to_head.map_or(rates, |m| product(&m, rates));
-            let (last, at) = self.last.replace((rates, now)).filter(|(_, at)| age(*at)).unwrap_or((rates, now));
+            let before = self.last.replace((rates, now));
+            if let Some(interval_s) = before.map(|(_, at)| now.since(at)).filter(|s| (0.0..1.0).contains(s)) {
+                let average_s = self.interval_s.get_or_insert(interval_s);
+                *average_s += INTERVALS * (interval_s - *average_s);
+            }
+            let (last, at) = before.filter(|(_, at)| age(*at)).unwrap_or((rates, now));
             // All frames since then went by the last sample alone: half of what it has changed by since then is made up for.
             let frames = if dt_s > 0.0 { (now.since(at) / dt_s).max(1.0) } else { 1.0 };
-            return (dt_s < AGE_S).then(|| std::array::from_fn(|i| last[i] + 0.5 * frames * (rates[i] - last[i])));
+            let change = add_scaled(rates, -1.0, last);
+            self.bend(change, now.since(at), if frames > 1.5 { HELD } else { WANDERS });
+            return (dt_s < AGE_S).then(|| add_scaled(last, 0.5 * frames, change));
         }
         self.last.filter(|(_, at)| age(*at) && dt_s < AGE_S).map(|(rates, _)| rates)
+    }
+
+    /// Learns from a sample that differs by `change` from the one `interval_s` before how far rates bend between samples.
+    fn bend(&mut self, change: Vector, interval_s: f64, share: f64) {
+        if interval_s <= 0.0 {
+            self.change = None;
+            return;
+        }
+        let Some(before) = self.change.replace(change) else { return };
+        self.learnt_s = (self.learnt_s + interval_s).min(BENT_S);
+        for (walk, (now, before)) in self.walk.iter_mut().zip(change.iter().zip(before)) {
+            *walk += interval_s / self.learnt_s * (share * (now - before).powi(2) * interval_s - *walk);
+        }
+    }
+
+    /// The variance of what it turns more or less than its samples say, rad²/s about nose, left, up.
+    pub fn walk(&self) -> Vector {
+        self.walk
     }
 
     /// The head shows this roll and pitch in level flight. What the rates are turned back by now, rad: from the axes by the
@@ -121,5 +170,34 @@ mod tests {
             turned_deg += gyro.rates().map_or(0.0, |r| r[0].to_degrees() * 0.02);
         }
         assert!((turned_deg - 0.5).abs() < 1e-6, "{turned_deg}°");
+    }
+
+    /// Rates of `rate_deg_s` (by the sample's number) with every `every`-th of 500 frames, 50 a second.
+    fn heard(every: usize, rate_deg_s: impl Fn(usize) -> f64) -> Gyro {
+        let mut gyro = Gyro::default();
+        for i in 0..500 {
+            let rate = (i % every == 0).then(|| rate_deg_s(i / every));
+            let aiding = Aiding { gyro_deg_s: [rate; 3], ..Aiding::default() };
+            gyro.update(&aiding, Time::from_secs_f64(5.0 + 0.02 * i as f64), 0.02);
+        }
+        gyro
+    }
+
+    #[test]
+    fn rates_that_come_too_seldom_are_not_used() {
+        for (every, used) in [(1, true), (5, true), (7, true), (10, false), (12, false), (25, false)] {
+            assert_eq!(heard(every, |_| 3.0).in_use(), used, "every {every}. frame");
+        }
+    }
+
+    #[test]
+    fn what_bends_between_samples_is_doubted_and_a_line_is_not() {
+        assert!(heard(5, |i| i as f64).walk().iter().all(|w| *w < 1e-20));
+        // Up and down by 6 deg/s: off the line by 12 each time.
+        for (every, share) in [(1, WANDERS), (5, HELD)] {
+            let expected = share * 12_f64.to_radians().powi(2) * 0.02 * every as f64;
+            let walk = heard(every, |i| if i % 2 == 0 { 6.0 } else { 0.0 }).walk();
+            assert!(walk.iter().all(|w| (w / expected - 1.0).abs() < 0.05), "{walk:?}, {expected}");
+        }
     }
 }

@@ -337,6 +337,7 @@ impl Estimator for FieldEstimator {
                 // Where scenes explain what a turn would, calm is not seen either.
                 rate: [0, 1, 1].map(|i: usize| self.rates[i].factor().max(self.scene.unlike())),
                 gyro: [0, 1, 1].map(|i: usize| self.gyro_errors[i].factor()),
+                gyro_walk: self.gyro.walk(),
                 contrast: self.contrast.factor(),
                 scene_k2: self.scene.variance(),
                 scene_change_k2_s: if self.gyro.in_use() { self.change.variance_s() } else { 0.0 },

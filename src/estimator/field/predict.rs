@@ -19,6 +19,8 @@ pub struct Pace {
     pub rate: [f64; 3],
     /// The errors of a gyro, of what the tuning says.
     pub gyro: [f64; 3],
+    /// What a gyro turns more or less than its samples say, at least, rad²/s.
+    pub gyro_walk: [f64; 3],
     /// The contrast, of what the tuning says.
     pub contrast: f64,
     /// The variance of the sensors' own scenes, K².
@@ -37,6 +39,7 @@ impl Pace {
     pub const USUAL: Self = Self {
         rate: [1.0; 3],
         gyro: [1.0; 3],
+        gyro_walk: [0.0; 3],
         contrast: 1.0,
         scene_k2: 0.01,
         scene_change_k2_s: 0.0,
@@ -147,7 +150,7 @@ fn add_noise(
         if let Some(rates) = turns {
             // An axis askew shows a share of what goes on about the others.
             let walk = pace.gyro[i] * t.gyro_walk.0.hypot(t.gyro_walk.1 * length(rates));
-            add(TURN + i, walk * walk * dt_s);
+            add(TURN + i, (walk * walk).max(pace.gyro_walk[i]) * dt_s);
             add(RATE + i, t.bias.1.powi(2) * dt_s);
         } else {
             add(RATE + i, (pace.rate[i] * t.rate_sigma[i]).powi(2) * lost.0);
