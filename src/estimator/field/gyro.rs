@@ -23,6 +23,8 @@ const BENT_S: f64 = 4.0;
 const WANDERS: f64 = 1.0 / 24.0;
 /// The same, where frames in between go by the sample before.
 const HELD: f64 = 1.0 / 6.0;
+/// Within this time an aircraft's inertia keeps its rates near a line, s.
+const SMOOTH_S: f64 = 0.04;
 
 /// The gyro of an autopilot.
 #[derive(Clone, Debug, Default)]
@@ -91,6 +93,7 @@ impl Gyro {
         }
         let Some(before) = self.change.replace(change) else { return };
         self.learnt_s = (self.learnt_s + interval_s).min(BENT_S);
+        let share = share * (interval_s / SMOOTH_S).min(1.0).powi(2);
         for (walk, (now, before)) in self.walk.iter_mut().zip(change.iter().zip(before)) {
             *walk += interval_s / self.learnt_s * (share * (now - before).powi(2) * interval_s - *walk);
         }
@@ -194,7 +197,7 @@ mod tests {
     fn what_bends_between_samples_is_doubted_and_a_line_is_not() {
         assert!(heard(5, |i| i as f64).walk().iter().all(|w| *w < 1e-20));
         // Up and down by 6 deg/s: off the line by 12 each time.
-        for (every, share) in [(1, WANDERS), (5, HELD)] {
+        for (every, share) in [(1, 0.25 * WANDERS), (5, HELD)] {
             let expected = share * 12_f64.to_radians().powi(2) * 0.02 * every as f64;
             let walk = heard(every, |i| if i % 2 == 0 { 6.0 } else { 0.0 }).walk();
             assert!(walk.iter().all(|w| (w / expected - 1.0).abs() < 0.05), "{walk:?}, {expected}");
