@@ -50,7 +50,8 @@ pub fn decode(heard: &Heard, ardupilot: bool) -> Option<(Stamp, Words)> {
     Some(match heard {
         Heard::Attitude(m) => {
             let [roll, pitch, yaw] = [m.roll, m.pitch, m.yaw].map(f64::from);
-            let rates = rates([m.rollspeed, m.pitchspeed, m.yawspeed].map(f64::from));
+            // Betaflight and iNav have none to give and say 0; no gyro does of all three.
+            let rates = rates([m.rollspeed, m.pitchspeed, m.yawspeed].map(f64::from)).filter(|r| *r != [0.0; 3]);
             if ![roll, pitch, yaw].iter().all(|a| a.abs() <= 10.0) {
                 return None;
             }
@@ -193,6 +194,15 @@ mod tests {
             let Some((Stamp::None, Words::Air(air))) = decode(&Heard::VfrHud(m), false) else { panic!() };
             assert_eq!(air.airspeed_m_s, None);
             assert_eq!(air.climb_m_s.is_some(), bad == 0.0 || bad == -3.0);
+        }
+    }
+
+    #[test]
+    fn an_attitude_that_never_turns_has_no_rates() {
+        for (rollspeed, there) in [(0.0, false), (-0.0, false), (1e-6, true)] {
+            let m = ATTITUDE_DATA { rollspeed, roll: 0.2, ..ATTITUDE_DATA::DEFAULT };
+            let Some((_, Words::Attitude(seen, _, rates))) = decode(&Heard::Attitude(m), false) else { panic!() };
+            assert!(rates.is_some() == there && seen.roll > 0.0, "{rollspeed}");
         }
     }
 
