@@ -71,10 +71,7 @@ impl Gyro {
             let rates = [p, -q, -r].map(f64::to_radians);
             let rates = self.to_head.map_or(rates, |m| product(&m, rates));
             let before = self.last.replace((rates, now));
-            if let Some(interval_s) = before.map(|(_, at)| now.since(at)).filter(|s| (0.0..1.0).contains(s)) {
-                let average_s = self.interval_s.get_or_insert(interval_s);
-                *average_s += INTERVALS * (interval_s - *average_s);
-            }
+            before.inspect(|(_, at)| self.pace(now.since(*at)));
             let (last, at) = before.filter(|(_, at)| age(*at)).unwrap_or((rates, now));
             // All frames since then went by the last sample alone: half of what it has changed by since then is made up for.
             let frames = if dt_s > 0.0 { (now.since(at) / dt_s).max(1.0) } else { 1.0 };
@@ -83,6 +80,14 @@ impl Gyro {
             return (dt_s < AGE_S).then(|| add_scaled(last, 0.5 * frames, change));
         }
         self.last.filter(|(_, at)| age(*at) && dt_s < AGE_S).map(|(rates, _)| rates)
+    }
+
+    /// Learns how often samples come, but for gaps.
+    fn pace(&mut self, interval_s: f64) {
+        if (0.0..1.0).contains(&interval_s) {
+            let average_s = self.interval_s.get_or_insert(interval_s);
+            *average_s += INTERVALS * (interval_s - *average_s);
+        }
     }
 
     /// Learns from a sample that differs by `change` from the one `interval_s` before how far rates bend between samples.

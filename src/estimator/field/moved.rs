@@ -31,7 +31,7 @@ impl Moved {
         self.seen_s += dt_s;
         self.now = at_horizon;
         let share = if self.seen_s < LEARNT_S { 1.0 } else { dt_s / self.seen_s.min(USUAL_S) };
-        self.usual += share.min(1.0) * (at_horizon - self.usual);
+        self.usual += share * (at_horizon - self.usual);
     }
 
     /// The standard deviation of the tilt that goes with it, rad.
