@@ -105,3 +105,36 @@ fn a_slow_gyro_is_no_worse_than_none() {
         assert!(rms(every) < most * none, "every {every}. scan");
     }
 }
+
+/// What a gyro says of the true rates, °/s about nose, right, down.
+type Says = fn([f64; 3]) -> [f64; 3];
+
+/// One that is wrong.
+const WRONG: [(&str, Says); 5] = [
+    ("dead", |_| [0.0; 3]),
+    ("pitch and yaw the other way round", |[p, q, r]| [p, -q, -r]),
+    ("roll the other way round", |[p, q, r]| [-p, q, r]),
+    ("yaw the other way round", |[p, q, r]| [p, q, -r]),
+    ("degrees taken for radians", |rates| rates.map(f64::to_degrees)),
+];
+
+/// A gyro that is wrong is found out, and is about as good as none from then on; where least is seen to turn, that takes longest.
+#[test]
+fn a_gyro_that_is_wrong_is_found_out() {
+    for (scene, most_deg) in [("clear-dry", 0.6), ("overcast", 3.5), ("warm-slope", 2.2)] {
+        let scenario = Scenario::named(scene).unwrap();
+        let flights = Flown::all(&scenario, 3);
+        for (what, says) in WRONG {
+            let change = |frame: &mut Frame| {
+                let true_deg_s = frame.aiding.gyro_deg_s.map(|r| r.unwrap_or_default());
+                frame.aiding.gyro_deg_s = says(true_deg_s).map(Some);
+            };
+            let score = score(&flights, change, || said(field(&scenario.head(), 0.1)));
+            let [roll, pitch] = [score.roll_rms_deg, score.pitch_rms_deg].map(|v| v.unwrap());
+            let covered = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap());
+            println!("{scene}, {what}: {roll:.2} / {pitch:.2}; 2 sigma {covered:.0?} %");
+            assert!(roll.max(pitch) <= most_deg, "{scene}, {what}: {roll} / {pitch}");
+            assert!(covered.iter().all(|c| *c >= 90.0), "{scene}, {what}: {covered:?}");
+        }
+    }
+}

@@ -30,6 +30,8 @@ const SMOOTH_S: f64 = 0.04;
 #[derive(Clone, Debug, Default)]
 pub struct Gyro {
     last: Option<(Vector, Time)>,
+    /// What it says now, believed or not.
+    heard: Option<Vector>,
     rates: Option<Vector>,
     now: Time,
     /// How far samples are apart, on the average, s.
@@ -47,16 +49,18 @@ pub struct Gyro {
 }
 
 impl Gyro {
-    /// Takes in what came with a frame, `dt_s` after the last; whether the gyro has come or gone.
-    pub fn update(&mut self, aiding: &Aiding, now: Time, dt_s: f64) -> bool {
+    /// Takes in what came with a frame, `dt_s` after the last, and whether the thermopiles have seen other turns; whether the
+    /// gyro has come or gone.
+    pub fn update(&mut self, aiding: &Aiding, now: Time, dt_s: f64, contradicted: bool) -> bool {
         self.now = now;
         let before = self.rates.is_some();
-        self.rates = self.current(aiding, now, dt_s);
+        self.heard = self.current(aiding, now, dt_s);
+        self.rates = self.heard;
         let slow_s = if before { SLOW_S.1 } else { SLOW_S.0 };
         if self.interval_s.is_some_and(|s| s > slow_s) {
             self.rates = None;
         }
-        if self.wrong_since.is_some_and(|at| (0.0..self.distrust_s).contains(&now.since(at))) {
+        if contradicted || self.wrong_since.is_some_and(|at| (0.0..self.distrust_s).contains(&now.since(at))) {
             self.rates = None;
         }
         before != self.rates.is_some()
@@ -131,6 +135,11 @@ impl Gyro {
         self.rates
     }
 
+    /// The same, whether it is believed or not.
+    pub fn heard(&self) -> Option<Vector> {
+        self.heard
+    }
+
     /// Whether there are rates.
     pub fn in_use(&self) -> bool {
         self.rates.is_some()
@@ -174,7 +183,7 @@ mod tests {
         let mut turned_deg = 0.0;
         for (i, rate) in [Some(0.0), None, None, None, None, Some(10.0)].into_iter().enumerate() {
             let aiding = Aiding { gyro_deg_s: [rate, rate, rate], ..Aiding::default() };
-            gyro.update(&aiding, Time::from_secs_f64(5.0 + 0.02 * i as f64), 0.02);
+            gyro.update(&aiding, Time::from_secs_f64(5.0 + 0.02 * i as f64), 0.02, false);
             turned_deg += gyro.rates().map_or(0.0, |r| r[0].to_degrees() * 0.02);
         }
         assert!((turned_deg - 0.5).abs() < 1e-6, "{turned_deg}°");
@@ -186,7 +195,7 @@ mod tests {
         for i in 0..500 {
             let rate = (i % every == 0).then(|| rate_deg_s(i / every));
             let aiding = Aiding { gyro_deg_s: [rate; 3], ..Aiding::default() };
-            gyro.update(&aiding, Time::from_secs_f64(5.0 + 0.02 * i as f64), 0.02);
+            gyro.update(&aiding, Time::from_secs_f64(5.0 + 0.02 * i as f64), 0.02, false);
         }
         gyro
     }

@@ -58,7 +58,7 @@ mod tests {
     fn knowing(head: &Head, heading_deg: f64, attitude: Attitude) -> FieldEstimator {
         let mut e = FieldEstimator::new(head, FieldOfView::Gaussian { fwhm_deg: 90.0 }, Tuning::default());
         let at_rest = Aiding { gyro_deg_s: [Some(0.0); 3], ..Aiding::default() };
-        e.gyro.update(&at_rest, Time::from_secs_f64(10.0), 0.02);
+        e.gyro.update(&at_rest, Time::from_secs_f64(10.0), 0.02, false);
         for (i, value) in [(GROUND, 15.0), (CONTRAST, 35.0), (DEPTH, -1.2)] {
             e.state.x[i] = value;
         }

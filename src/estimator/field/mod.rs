@@ -13,8 +13,8 @@
 //!   horizon is expected to lean;
 //! - `form`: sensors that see in another form than said; `averaging`: how much they average in radiance; `calibration`:
 //!   how far they are off; `expected`: states of which more is expected later;
-//! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `askew`: a gyro whose axes
-//!   are not the head's;
+//! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `turns`: whether they turn as
+//!   is seen; `askew`: a gyro whose axes are not the head's;
 //! - `aid`: the slow references; `reference_noise`: how much these are off;
 //! - `unheard`: what a sensor left out might have been right about;
 //! - `output`: angles and standard deviations.
@@ -45,6 +45,7 @@ mod start;
 mod state;
 mod stuck;
 mod tuning;
+mod turns;
 mod unheard;
 mod witness;
 
@@ -76,6 +77,7 @@ use predict::{Pace, correction, predict, rates, scene};
 use scene::SceneStrength;
 use state::{CONTRAST, State};
 use stuck::Stuck;
+use turns::Turns;
 use witness::Witnesses;
 
 /// A frame later than this after the last begins anew, s.
@@ -113,6 +115,7 @@ pub struct FieldEstimator {
     blind: bool,
     undecided_since: Option<Time>,
     gyro: Gyro,
+    turns: Turns,
     aid: Aid,
     /// Body rates about the nose, and across it.
     rates: [Whiteness; 2],
@@ -175,6 +178,7 @@ impl FieldEstimator {
             latest: [None; MAX_SENSORS],
             stuck: [Stuck::default(); MAX_SENSORS],
             gyro: Gyro::default(),
+            turns: Turns::default(),
             aid: Aid::default(),
             rates,
             gyro_errors,
@@ -307,7 +311,11 @@ impl Estimator for FieldEstimator {
     fn update(&mut self, frame: &Frame) -> Solution {
         let (mut readings, Some(now)) = self.readings(frame) else { return Solution::default() };
         let dt_s = self.last.map_or(f64::INFINITY, |(last, _)| now.since(last));
-        if self.gyro.update(&frame.aiding, now, dt_s) {
+        let contradicted = self.gyro.in_use() && self.turns.contradict();
+        if contradicted {
+            self.unlearn();
+        }
+        if self.gyro.update(&frame.aiding, now, dt_s, self.turns.contradict()) {
             self.set_rates();
         }
         // What one sensor does must not be taken for the attitude, or for the gyro.
@@ -318,7 +326,7 @@ impl Estimator for FieldEstimator {
         if lost {
             self.gyro.distrust();
         }
-        if lost || !(0.0..GAP_S).contains(&dt_s) {
+        if lost || contradicted || !(0.0..GAP_S).contains(&dt_s) {
             let begun = self.begin(&self.lately(&readings, now), now);
             if begun {
                 self.consider_averaging(now);
@@ -355,6 +363,7 @@ impl Estimator for FieldEstimator {
             self.doubt_axes(dt_s);
             self.calibrate(dt_s);
         }
+        self.compare_turns(&readings, now);
         self.correct(&readings, dt_s);
         self.moved.update(self.model.at_horizon(&scene(&self.state)), dt_s);
         self.look(frame, now);

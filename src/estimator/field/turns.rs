@@ -1,0 +1,245 @@
+//! Whether a gyro turns as the thermopiles see the aircraft turn.
+//!
+//! A filter that hears a gyro which is dead, the wrong way round or said in other units explains what does not fit by scenes,
+//! and errs by tens of degrees. This asks no filter: where the sky is seen in one half of a second, turned on by the gyro, is
+//! compared with where it is seen in the other half.
+
+use super::FieldEstimator;
+use super::change::SceneChange;
+use super::directions::Pattern;
+use super::form::Form;
+use super::noise::NoiseLevel;
+use super::state::MAX_SENSORS;
+use crate::estimator::Standing;
+use crate::estimator::normal::Normal;
+use crate::estimator::vector::{Vector, add_scaled, cross, dot, length, product, rotation, unit};
+use crate::time::Time;
+
+/// Half of a stretch, s.
+const HALF_S: f64 = 0.5;
+/// Frames farther apart show no stretch, s.
+const GAP_S: f64 = 0.25;
+/// Where the sky is seen is off by so much from half to half: rad, and K of a pair's signal.
+const OFF: (f64, f64) = (0.017, 0.03);
+/// By so many times what else changes, as clouds, drops and what is not linear in a sky do; and by so much, rad, times how
+/// far from symmetric the sensors are.
+const CHANGED: f64 = 1.5;
+const LOPSIDED: f64 = 0.3;
+/// No stretch tells more than one that turns by this, rad.
+const MOST: f64 = 0.07;
+/// So many stretches are remembered.
+const REMEMBERED: f64 = 20.0;
+/// A gyro is wrong that leaves this share of the squares of what is seen to turn, and so many times those of what may be off,
+/// and in all so much, rad²; it is right that leaves the second share.
+const LEFT: (f64, f64) = (0.7, 0.2);
+const CLEAR: f64 = 1.2;
+const ENOUGH: f64 = 0.018;
+/// Such a share of what is left in a stretch is taken for the gyro's bias, and more at first.
+const BIAS: f64 = 0.2;
+
+/// Compares stretch after stretch.
+#[derive(Clone, Debug, Default)]
+pub struct Turns {
+    stretch: Option<Stretch>,
+    /// What the gyro says too much, rad/s, and in how many stretches that has been learnt.
+    bias: Vector,
+    learnt: f64,
+    /// The sums of squares of what is seen to turn, what the gyro leaves of it, and what may be off, rad².
+    told: [f64; 3],
+    contradict: bool,
+}
+
+/// Where the sky is seen by a frame alone.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// Up, as long as a vertical pair's signal, K on nose, left, up.
+    pub sky_k: Vector,
+    /// What of each sensor's reading that does not explain, K.
+    pub rest_k: Pattern,
+    /// How far from symmetric the sensors are that see it, 0..1.
+    pub lopsided: f64,
+}
+
+/// The sums of what has been seen in the halves of a stretch.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    since: Time,
+    last: Time,
+    /// Where the sky was, as it was seen, and turned on by the gyro since.
+    seen: [Vector; 2],
+    turned: [Vector; 2],
+    rest: [Pattern; 2],
+    count: usize,
+    lopsided: f64,
+}
+
+impl Stretch {
+    fn new(now: Time) -> Self {
+        let (seen, rest) = ([[0.0; 3]; 2], [Pattern::default(); 2]);
+        Self { since: now, last: now, seen, turned: seen, rest, count: 0, lopsided: 0.0 }
+    }
+
+    fn take(&mut self, seen: &Seen, rates: Vector, now: Time) {
+        let on = rotation(rates.map(|r| -r * now.since(self.last)));
+        self.turned = self.turned.map(|t| product(&on, t));
+        let half = usize::from(now.since(self.since) >= HALF_S);
+        for sums in [&mut self.seen, &mut self.turned] {
+            sums[half] = add_scaled(sums[half], 1.0, seen.sky_k);
+        }
+        self.rest[half].iter_mut().zip(&seen.rest_k).for_each(|(sum, rest)| *sum += rest);
+        (self.last, self.count, self.lopsided) = (now, self.count + 1, self.lopsided.max(seen.lopsided));
+    }
+
+    /// The squares of what was seen to turn, what the gyro leaves of it, and what may be off, rad²; the turn that is left.
+    fn told(&self) -> Option<([f64; 3], Vector)> {
+        let [Some(a), Some(b)] = self.turned.map(unit) else { return None };
+        let [Some(c), Some(d)] = self.seen.map(unit) else { return None };
+        let half = self.count as f64 / 2.0;
+        let least_k = (length(self.turned[0]).min(length(self.turned[1])) / half).max(0.1);
+        let changed_k2: f64 = self.rest[0].iter().zip(&self.rest[1]).map(|(a, b)| ((a - b) / half).powi(2)).sum();
+        let off_k2 = OFF.1.powi(2) + CHANGED.powi(2) * changed_k2;
+        let off = OFF.0.powi(2) + (LOPSIDED * self.lopsided).powi(2) + off_k2 / least_k.powi(2);
+        let angle = |a, b| dot(a, b).clamp(-1.0, 1.0).acos();
+        Some(([angle(c, d).powi(2), angle(a, b).powi(2), off], cross(a, b)))
+    }
+}
+
+impl Turns {
+    /// Takes in where the sky is seen and the gyro's mean rates since the last frame, rad/s on nose, left, up.
+    pub fn update(&mut self, seen: Option<Seen>, rates: Option<Vector>, now: Time) {
+        let stretch = self.stretch.take().filter(|s| (0.0..GAP_S).contains(&now.since(s.last)));
+        let (Some(seen), Some(rates)) = (seen, rates) else { return };
+        let over = |s: &Stretch| now.since(s.since) >= 2.0 * HALF_S;
+        if let Some(told) = stretch.filter(over).and_then(|s| s.told()) {
+            self.judge(told);
+        }
+        let mut stretch = stretch.filter(|s| !over(s)).unwrap_or_else(|| Stretch::new(now));
+        stretch.take(&seen, add_scaled(rates, -1.0, self.bias), now);
+        self.stretch = Some(stretch);
+    }
+
+    fn judge(&mut self, (told, turn): ([f64; 3], Vector)) {
+        self.learnt += 1.0;
+        self.bias = add_scaled(self.bias, BIAS.max(1.0 / (1.0 + self.learnt)) / HALF_S, turn);
+        let weight = (MOST.powi(2) / told[0].max(told[1]).max(f64::MIN_POSITIVE)).min(1.0);
+        for (sum, told) in self.told.iter_mut().zip(told) {
+            *sum += weight * told - *sum / REMEMBERED;
+        }
+        let [seen, left, off] = self.told;
+        if left > ENOUGH && left > LEFT.0 * seen && left > CLEAR * off {
+            self.contradict = true;
+        } else if seen > ENOUGH && left < LEFT.1 * seen {
+            self.contradict = false;
+        }
+    }
+
+    /// Whether the gyro turns otherwise than is seen.
+    pub fn contradict(&self) -> bool {
+        self.contradict
+    }
+}
+
+impl FieldEstimator {
+    /// Compares the gyro with the thermopiles that are heard.
+    pub(super) fn compare_turns(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) {
+        let seen = self.seen(&self.lately(readings, now));
+        self.turns.update(seen, self.gyro.heard(), now);
+    }
+
+    /// Forgets what was made of a gyro that turns otherwise: scenes, noise, and sensors at fault.
+    pub(super) fn unlearn(&mut self) {
+        self.scene.forget();
+        self.change = SceneChange::default();
+        self.noise = NoiseLevel::new(self.tuning.noise_k);
+        self.form = Form::default();
+        self.witnesses.acquit();
+    }
+
+    /// What is linear in the vertical, and fits the readings best.
+    fn seen(&self, readings: &[Option<f64>; MAX_SENSORS]) -> Option<Seen> {
+        let heard = || {
+            let heard = |i: &usize| self.witnesses.standing(*i) == Standing::Heard;
+            (0..self.model.sensors()).filter(heard).filter_map(|i| Some((i, self.model.direction(i), readings[i]?)))
+        };
+        // Of a pair's signal the ground is no part, and a sensor shows half of it.
+        let absolute = self.model.is_absolute();
+        let (share, sides) = if absolute { (1.0 / heard().count().max(1) as f64, 2.0) } else { (0.0, 1.0) };
+        let (mut centre, mut ground) = ([0.0; 3], 0.0);
+        for (_, direction, reading) in heard() {
+            (centre, ground) = (add_scaled(centre, share, direction), ground + share * reading);
+        }
+        let (mut normal, mut right) = (Normal::default(), [0.0; 3]);
+        for (_, direction, reading) in heard() {
+            let b = add_scaled(direction, -1.0, centre);
+            normal.add_vector(b);
+            right = add_scaled(right, reading - ground, b);
+        }
+        let fit = product(&normal.inverse()?, right);
+        let mut rest_k = Pattern::default();
+        for (i, direction, reading) in heard() {
+            rest_k[i] = reading - ground - dot(add_scaled(direction, -1.0, centre), fit);
+        }
+        Some(Seen { sky_k: fit.map(|k| -sides * k), rest_k, lopsided: length(centre) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a gyro says of the true rates, rad/s.
+    type Says = fn(Vector) -> Vector;
+
+    /// After how many seconds of rolling to and fro by 20° it shows that `gyro` turns otherwise, under a sky of so many K; what
+    /// drifts by tilts it by so many.
+    fn contradicted_s(gyro: impl Fn(Vector) -> Vector, sky_k: f64, wander_k: f64) -> Option<f64> {
+        let mut turns = Turns::default();
+        let seconds = |i: usize| 0.02 * i as f64;
+        (0..6000).map(seconds).find(|t| {
+            let roll = 0.35 * (1.3 * t).sin();
+            let rates = [0.35 * 1.3 * (1.3 * (t - 0.01)).cos(), 0.0, 0.0];
+            let sky = [wander_k * (2.1 * t).sin(), sky_k * roll.sin(), sky_k * roll.cos()];
+            let seen = Seen { sky_k: sky, rest_k: Pattern::default(), lopsided: 0.0 };
+            turns.update(Some(seen), Some(gyro(rates)), Time::from_secs_f64(9.0 + t));
+            turns.contradict()
+        })
+    }
+
+    #[test]
+    fn a_gyro_that_turns_as_is_seen_is_believed() {
+        for off in [0.0, 0.05, 0.17] {
+            assert_eq!(contradicted_s(|r| add_scaled(r, off, [1.0, -1.0, 1.0]), 30.0, 0.0), None, "{off} rad/s off");
+        }
+        assert_eq!(contradicted_s(|r| r.map(|r| 0.8 * r), 30.0, 0.0), None);
+        assert_eq!(contradicted_s(|r| r, 5.0, 0.3), None, "a little that drifts by");
+    }
+
+    #[test]
+    fn one_that_does_not_is_found_out() {
+        let wrong: [(&str, Says); 4] = [
+            ("dead", |_| [0.0; 3]),
+            ("the wrong way round", |r| r.map(|r| -r)),
+            ("degrees for radians", |r| r.map(f64::to_degrees)),
+            ("about another axis", |[p, q, r]| [q, p, r]),
+        ];
+        for (what, gyro) in wrong {
+            for sky_k in [30.0, 6.0] {
+                let after_s = contradicted_s(gyro, sky_k, 0.0);
+                assert!(after_s.is_some_and(|s| s < 20.0), "{what}, {sky_k} K: {after_s:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_was_found_out_and_turns_rightly_is_believed_again() {
+        let mut turns = Turns { contradict: true, ..Turns::default() };
+        for i in 0..3000 {
+            let t = 0.02 * f64::from(i);
+            let (roll, rate) = (0.35 * (1.3 * t).sin(), 0.35 * 1.3 * (1.3 * (t - 0.01)).cos());
+            let seen =
+                Seen { sky_k: [0.0, 30.0 * roll.sin(), 30.0 * roll.cos()], rest_k: Pattern::default(), lopsided: 0.0 };
+            turns.update(Some(seen), Some([rate, 0.0, 0.0]), Time::from_secs_f64(9.0 + t));
+        }
+        assert!(!turns.contradict());
+    }
+}
