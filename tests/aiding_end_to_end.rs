@@ -202,6 +202,20 @@ fn clear_and_dry_at_50_hz() {
     compare("clear-dry", false, UNKNOWN_DEG);
 }
 
+/// An autopilot that says its rates, climb and stamps otherwise than the messages want them is understood.
+#[test]
+fn clear_and_dry_with_inav() {
+    let scenario = Scenario::named("clear-dry").unwrap().lasting(FRAMES as f64 / 50.0);
+    let flown = |inav| {
+        let flights = [31, 32, 33].map(|seed| live(&scenario, seed, FRAMES, |pilot| pilot.inav = inav));
+        assert!(flights.iter().all(|f| f.shown.used && f.shown.link.rates_hz > 50.0 && f.shown.link.gps_hz > 2.5));
+        Errors::pooled(flights.map(|f| f.published))
+    };
+    let (plain, inav) = (flown(false), flown(true));
+    println!("{:.3?}° as the messages want it, {:.3?}° as iNav says it", plain.rms(), inav.rms());
+    assert!((0..2).all(|k| inav.rms()[k] < MOST * plain.rms()[k]));
+}
+
 /// What the autopilot thinks its attitude is changes nothing but what is shown beside ours.
 #[test]
 fn its_attitude_is_compared_and_never_used() {

@@ -36,6 +36,9 @@ pub struct Autopilot {
     pub wrong: Attitude,
     /// Whether it sends ATTITUDE as often as it is asked to.
     pub obliges: bool,
+    /// Speaks as iNav 8 does: rates in degrees a second, pitch and yaw the other way round, climb upside down, positions
+    /// stamped in µs.
+    pub inav: bool,
     voice: Voice,
     /// How often ATTITUDE is sent in 20 ms: as asked for.
     often: u32,
@@ -53,6 +56,7 @@ impl Autopilot {
             frame,
             wrong: Attitude::default(),
             obliges: true,
+            inav: false,
             voice: Voice::new(seed),
             often: 1,
             on_the_way: BTreeMap::new(),
@@ -86,16 +90,19 @@ impl Autopilot {
         let truth = self.flight.truth_at(now);
         let aiding = self.frame.aiding;
         if let [Some(p), Some(q), Some(r)] = aiding.gyro_deg_s {
-            self.send(now, &voice::attitude(self.clock(now), truth, self.wrong, 1.0, [p, q, r]));
+            let rates = if self.inav { [p, -q, -r].map(f64::to_degrees) } else { [p, q, r] };
+            self.send(now, &voice::attitude(self.clock(now), truth, self.wrong, 1.0, rates));
         }
-        self.speeds(now, (self.clock(now) / 1_000_000) as u32, &aiding);
+        let unit_ns = if self.inav { 1000 } else { 1_000_000 };
+        self.speeds(now, (self.clock(now) / unit_ns) as u32, &aiding);
     }
 
     fn speeds(&mut self, now: Time, time_boot_ms: u32, aiding: &Aiding) {
         if let (Some(speed), Some(course), Some(climb)) = (aiding.ground_speed_m_s, aiding.course_deg, aiding.climb_m_s)
         {
             let (east, north) = course.to_radians().sin_cos();
-            let [vx, vy, vz] = [speed * north, speed * east, -climb].map(|v| (v * 100.0).round() as i16);
+            let down = if self.inav { climb } else { -climb };
+            let [vx, vy, vz] = [speed * north, speed * east, down].map(|v| (v * 100.0).round() as i16);
             let relative_alt = (aiding.altitude_m.unwrap_or(0.0) * 1000.0) as i32;
             let fix = GLOBAL_POSITION_INT_DATA { time_boot_ms, relative_alt, vx, vy, vz, ..Default::default() };
             self.send(now, &fix);

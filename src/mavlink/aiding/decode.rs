@@ -6,7 +6,7 @@ use crate::frame::Aiding;
 use crate::mavlink::heard::Heard;
 use ::mavlink::dialects::common::{GpsFixType, HighresImuUpdatedFlags};
 
-/// Faster nothing that flies can turn, °/s.
+/// Faster nothing that flies can turn, °/s; and no number for it is larger, whatever the unit.
 const FASTEST_DEG_S: f64 = 2000.0;
 /// Faster nothing flies that this is for, m/s.
 const FASTEST_M_S: f64 = 500.0;
@@ -35,7 +35,7 @@ pub enum Stamp {
 pub enum Words {
     /// Body rates, °/s, about x (nose), y (right), z (down).
     Rates(Source, [f64; 3]),
-    /// The autopilot's attitude and yaw, rad, with its body rates, if those can be.
+    /// The autopilot's attitude and yaw, rad, with its body rates as it said them: see [`sense`](super::sense).
     Attitude(Attitude, f64, Option<[f64; 3]>),
     /// Where it flies to, by its filter: ground speed, course, climb, altitude.
     Position(Aiding),
@@ -50,12 +50,13 @@ pub fn decode(heard: &Heard, ardupilot: bool) -> Option<(Stamp, Words)> {
     Some(match heard {
         Heard::Attitude(m) => {
             let [roll, pitch, yaw] = [m.roll, m.pitch, m.yaw].map(f64::from);
-            // Betaflight and iNav have none to give and say 0; no gyro does of all three.
-            let rates = rates([m.rollspeed, m.pitchspeed, m.yawspeed].map(f64::from)).filter(|r| *r != [0.0; 3]);
+            // Betaflight has none to give and says 0; no gyro does of all three. The unit is yet to be found.
+            let said = Some([m.rollspeed, m.pitchspeed, m.yawspeed].map(f64::from));
+            let said = said.filter(|said| said.iter().all(|v| v.abs() <= FASTEST_DEG_S) && *said != [0.0; 3]);
             if ![roll, pitch, yaw].iter().all(|a| a.abs() <= 10.0) {
                 return None;
             }
-            (Stamp::Millis(m.time_boot_ms), Words::Attitude(Attitude { roll, pitch }, yaw, rates))
+            (Stamp::Millis(m.time_boot_ms), Words::Attitude(Attitude { roll, pitch }, yaw, said))
         }
         Heard::HighresImu(m) => {
             type F = HighresImuUpdatedFlags;
@@ -80,8 +81,10 @@ pub fn decode(heard: &Heard, ardupilot: bool) -> Option<(Stamp, Words)> {
             let course_deg = east.atan2(north).to_degrees().rem_euclid(360.0);
             let climb_m_s = Some(-down);
             let altitude_m = Some(f64::from(m.relative_alt) / 1000.0);
-            let aiding = Aiding { climb_m_s, altitude_m, ..course(north.hypot(east), course_deg) };
-            (Stamp::Millis(m.time_boot_ms), Words::Position(aiding))
+            let aiding = Aiding { climb_m_s, ..course(north.hypot(east), course_deg) };
+            // Betaflight has no velocity to give and says 0.
+            let aiding = if [m.vx, m.vy, m.vz] == [0; 3] { Aiding::default() } else { aiding };
+            (Stamp::Millis(m.time_boot_ms), Words::Position(Aiding { altitude_m, ..aiding }))
         }
         Heard::GpsRaw(m) => {
             let no_fix =
@@ -98,7 +101,7 @@ pub fn decode(heard: &Heard, ardupilot: bool) -> Option<(Stamp, Words)> {
         Heard::VfrHud(m) => {
             // An autopilot without a sensor, or whose estimate has none to give, says 0.
             let airspeed_m_s = Some(f64::from(m.airspeed)).filter(|v| *v > 0.0 && *v <= FASTEST_M_S);
-            let climb_m_s = Some(f64::from(m.climb)).filter(|v| v.abs() <= FASTEST_M_S);
+            let climb_m_s = Some(f64::from(m.climb)).filter(|v| *v != 0.0 && v.abs() <= FASTEST_M_S);
             (Stamp::None, Words::Air(Aiding { airspeed_m_s, climb_m_s, ..Aiding::default() }))
         }
         _ => return None,
@@ -123,7 +126,7 @@ fn milli(value: i16) -> f64 {
 }
 
 /// From rad/s to °/s; `None` for what cannot be.
-fn rates(rad_s: [f64; 3]) -> Option<[f64; 3]> {
+pub fn rates(rad_s: [f64; 3]) -> Option<[f64; 3]> {
     let deg_s = rad_s.map(f64::to_degrees);
     deg_s.iter().all(|v| v.abs() <= FASTEST_DEG_S).then_some(deg_s)
 }
@@ -141,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn rates_of_every_message_are_degrees_a_second() {
+    fn rates_of_every_other_message_are_degrees_a_second() {
         let attitude = ATTITUDE_DATA {
             time_boot_ms: 5,
             roll: 0.1,
@@ -155,7 +158,7 @@ mod tests {
         else {
             panic!()
         };
-        assert!((p - 57.29578).abs() < 1e-4 && (q + 28.64789).abs() < 1e-4 && r == 0.0 && yaw == 3.0);
+        assert_eq!(([p, q, r], yaw), ([1.0, -0.5, 0.0], 3.0), "as it was said");
         let scaled = SCALED_IMU_DATA { time_boot_ms: 6, zgyro: -2000, ..SCALED_IMU_DATA::DEFAULT };
         let Some((Stamp::Millis(6), Words::Rates(Source::ScaledImu, [_, _, r]))) =
             decode(&Heard::ScaledImu(scaled), false)
@@ -183,7 +186,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_is_no_measurement() {
-        for bad in [f32::NAN, f32::INFINITY, 40.0, -40.0] {
+        for bad in [f32::NAN, f32::INFINITY, 2001.0, -2001.0] {
             let m = ATTITUDE_DATA { rollspeed: bad, ..ATTITUDE_DATA::DEFAULT };
             let Some((_, Words::Attitude(_, _, None))) = decode(&Heard::Attitude(m), false) else { panic!("{bad}") };
             let m = ATTITUDE_DATA { roll: bad, ..ATTITUDE_DATA::DEFAULT };
@@ -193,7 +196,7 @@ mod tests {
             let m = VFR_HUD_DATA { airspeed: bad, climb: if bad == -3.0 { 0.5 } else { bad }, ..VFR_HUD_DATA::DEFAULT };
             let Some((Stamp::None, Words::Air(air))) = decode(&Heard::VfrHud(m), false) else { panic!() };
             assert_eq!(air.airspeed_m_s, None);
-            assert_eq!(air.climb_m_s.is_some(), bad == 0.0 || bad == -3.0);
+            assert_eq!(air.climb_m_s.is_some(), bad == -3.0);
         }
     }
 
@@ -219,6 +222,9 @@ mod tests {
         let Some((Stamp::Millis(9), Words::Position(a))) = decode(&Heard::GlobalPosition(m), false) else { panic!() };
         assert!(near(a.ground_speed_m_s, 200_f64.sqrt()) && near(a.course_deg, 225.0));
         assert!(near(a.climb_m_s, -2.5) && near(a.altitude_m, 123.4));
+        let m = GLOBAL_POSITION_INT_DATA { relative_alt: 5000, ..GLOBAL_POSITION_INT_DATA::DEFAULT };
+        let Some((_, Words::Position(a))) = decode(&Heard::GlobalPosition(m), false) else { panic!() };
+        assert_eq!(a, Aiding { altitude_m: Some(5.0), ..Aiding::default() }, "no velocity");
         let m = GLOBAL_POSITION_INT_DATA { vx: 50, ..GLOBAL_POSITION_INT_DATA::DEFAULT };
         let Some((_, Words::Position(a))) = decode(&Heard::GlobalPosition(m), false) else { panic!() };
         assert_eq!((a.ground_speed_m_s, a.course_deg), (Some(0.5), None), "it stands");

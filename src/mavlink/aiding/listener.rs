@@ -2,9 +2,10 @@
 
 use super::choice::{Choice, Source};
 use super::clock::Clock;
-use super::decode::{Stamp, Words, decode};
+use super::decode::{Stamp, Words, decode, rates};
 use super::intervals::Intervals;
 use super::meter::Meter;
+use super::sense::{ClimbSense, Sense};
 use super::timesync::Asker;
 use crate::aiding::{Inbox, Link, Said, What};
 use crate::config::settings::{EndpointAddress, MavlinkSettings};
@@ -19,6 +20,8 @@ use std::sync::Arc;
 /// Rates, and everything else, older than this when they arrive are dropped, s.
 const RATES_OLD_S: f64 = 0.5;
 const SLOW_OLD_S: f64 = 2.5;
+/// A position that seems to be older has no stamp, s.
+const STRAY_S: f64 = 60.0;
 /// While positions come this often, what says less of the same is not heeded, s.
 const POSITION_S: f64 = 1.0;
 /// While no rates come for so long, the clock goes by the stamps of positions, s.
@@ -52,6 +55,8 @@ pub struct Listener {
     epoch: Clock,
     asker: Asker,
     choice: Choice,
+    sense: Sense,
+    climb: ClimbSense,
     intervals: Intervals,
     rates: Meter,
     gps: Meter,
@@ -94,6 +99,8 @@ impl Listener {
             epoch: Clock::default(),
             asker: Asker::default(),
             choice: Choice::default(),
+            sense: Sense::default(),
+            climb: ClimbSense::default(),
             rates: Meter::default(),
             gps: Meter::default(),
             air: Meter::default(),
@@ -214,18 +221,25 @@ impl Listener {
             _ => self.driven.is_none_or(|at| now.since(at) > DRIVEN_S),
         };
         let Some(time) = self.moment(now, stamp, drives) else { return };
+        // What would be so old was stamped in another unit (iNav: µs).
+        let stray = matches!(words, Words::Position(_)) && now.since(time) > STRAY_S;
+        let time = if stray { self.moment(now, Stamp::None, false).unwrap_or(now) } else { time };
         let age_s = now.since(time);
         match words {
             Words::Rates(source, rate) if age_s <= RATES_OLD_S => self.rates(now, time, source, rate),
-            Words::Attitude(attitude, yaw, rate) if age_s <= RATES_OLD_S => {
+            Words::Attitude(attitude, yaw, said) if age_s <= RATES_OLD_S => {
                 self.yaw = Some((yaw, now));
                 self.say(now, time, What::Attitude(attitude, yaw));
-                if let Some(rate) = rate {
+                let rate = said.and_then(|said| self.sense.hear(time, attitude, said));
+                if let Some(rate) = rate.and_then(rates) {
                     self.rates(now, time, Source::Attitude, rate);
                 }
             }
-            Words::Position(aiding) if age_s <= SLOW_OLD_S => {
+            Words::Position(aiding) if age_s <= SLOW_OLD_S && aiding.ground_speed_m_s.is_some() => {
                 self.positioned = Some(now);
+                let climb = aiding.altitude_m.zip(aiding.climb_m_s);
+                let climb_m_s = climb.map(|(altitude_m, said)| self.climb.hear(time, altitude_m, said));
+                let aiding = Aiding { climb_m_s, ..aiding };
                 // Without a fix the filter's velocity is not the GPS's.
                 let no_fix = self.fix.is_some_and(|(fix, at)| !fix && now.since(at) <= SLOW_OLD_S);
                 if !no_fix {
@@ -269,6 +283,7 @@ impl Listener {
         if began {
             log::info!("the autopilot's clock has begun anew");
             self.asker = Asker::default();
+            (self.sense, self.climb) = (Sense::default(), ClimbSense::default());
             self.intervals.restart();
             self.newest = [None; 2];
         }

@@ -2,6 +2,7 @@
 //!
 //! - [`clock`]: its clock beside ours; [`timesync`]: asking it for its time; pure;
 //! - [`decode`]: values out of messages; pure;
+//! - [`sense`]: in which units and directions body rates are said; pure;
 //! - [`choice`]: one source of body rates at a time; [`meter`]: how often something comes; pure;
 //! - [`intervals`]: asking for what it does not send by itself; pure;
 //! - [`listener`]: all of it together, into the [`Inbox`](crate::aiding::Inbox).
@@ -12,6 +13,7 @@ pub mod decode;
 pub mod intervals;
 pub mod listener;
 pub mod meter;
+pub mod sense;
 pub mod timesync;
 
 pub use listener::{Ask, Listener};
