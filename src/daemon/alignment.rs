@@ -15,6 +15,8 @@ pub struct Alignment {
     aligner: Aligner,
     frame: Frame,
     shown: Estimate,
+    /// Whether the body rates are believed.
+    believed: bool,
 }
 
 impl Alignment {
@@ -25,6 +27,7 @@ impl Alignment {
             said: Vec::with_capacity(ROOM),
             aligner: Aligner::new(sensors),
             frame: Frame::new(sensors),
+            believed: true,
             shown: Estimate {
                 faults: Vec::with_capacity(faults),
                 residuals_k: Vec::with_capacity(sensors),
@@ -61,8 +64,21 @@ impl Alignment {
     }
 
     /// The autopilot as it is shown at `now`.
-    pub fn autopilot(&self, now: Time) -> Autopilot {
-        self.aligner.autopilot(now)
+    pub fn autopilot(&mut self, horizon: &Horizon, now: Time) -> Autopilot {
+        let autopilot = self.aligner.autopilot(now);
+        let believed = horizon.rate_correction().is_some();
+        if believed != self.believed {
+            self.believed = believed;
+            if believed {
+                log::info!("the autopilot's body rates are believed again");
+            } else {
+                log::warn!(
+                    "the autopilot's body rates are not believed: they do not turn as the thermopiles see it turn, or come too \
+                     seldom; is the head mounted and wired as the configuration says, on the autopilot's axes?"
+                );
+            }
+        }
+        Autopilot { used: autopilot.used && believed, ..autopilot }
     }
 
     /// What is published of `estimate`, the newest, when `scan` is the newest: carried on to its moment by the body
@@ -80,8 +96,10 @@ impl Alignment {
             }
             return &self.shown;
         }
-        let (given, correction) = ((attitude, estimate.sigma), horizon.rate_correction());
-        if let Some((carried, sigma)) = self.aligner.carry(given, correction, (estimate.valid_at, now)) {
+        let given = (attitude, estimate.sigma);
+        if let Some(correction) = horizon.rate_correction()
+            && let Some((carried, sigma)) = self.aligner.carry(given, correction, (estimate.valid_at, now))
+        {
             let limit = horizon.roll_limit().max(attitude.roll.abs());
             let roll = carried.roll.clamp(-limit, limit);
             self.shown.attitude = Some(Attitude { roll, ..carried });

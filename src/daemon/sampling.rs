@@ -135,7 +135,7 @@ impl Sampling {
             taps.offer(line, |line| writer.row(aligned, line));
             alignment.compare(estimate);
         }
-        let autopilot = alignment.autopilot(frame.time);
+        let autopilot = alignment.autopilot(horizon, frame.time);
         let shown = alignment.shown(estimate, horizon, frame);
         let rate_hz = self.rate.update(self.frame.time);
         self.shared.put(|s| {

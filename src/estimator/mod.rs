@@ -113,9 +113,10 @@ pub trait Estimator: Send {
     /// finite or not in 0..=5 changes nothing.
     fn set_lag_s(&mut self, _lag_s: f64) {}
 
-    /// What is to be added to the gyro's body rates, rad/s on (nose, left, up): minus its bias, where that is known.
-    fn rate_correction(&self) -> Vector {
-        [0.0; 3]
+    /// What is to be added to the gyro's body rates, rad/s on (nose, left, up): minus its bias, where that is known. `None`
+    /// where a gyro is heard and not believed.
+    fn rate_correction(&self) -> Option<Vector> {
+        Some([0.0; 3])
     }
 
     /// How fast the head turned after the last frame, rad/s on its (nose, left, up); `None` for methods that do not know.

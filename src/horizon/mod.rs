@@ -104,8 +104,9 @@ impl Horizon {
         }
     }
 
-    /// What is to be added to the body rates of a gyro, rad/s on the head's (nose, left, up).
-    pub fn rate_correction(&self) -> Vector {
+    /// What is to be added to the body rates of a gyro, rad/s on the head's (nose, left, up); `None` where they are not
+    /// believed.
+    pub fn rate_correction(&self) -> Option<Vector> {
         self.estimator.rate_correction()
     }
 

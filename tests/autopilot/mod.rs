@@ -36,6 +36,8 @@ pub struct Autopilot {
     pub wrong: Attitude,
     /// Whether it sends ATTITUDE as often as it is asked to.
     pub obliges: bool,
+    /// Its nose is where the head's tail is.
+    pub backwards: bool,
     /// Speaks as iNav 8 does: rates in degrees a second, pitch and yaw the other way round, climb upside down, positions
     /// stamped in µs.
     pub inav: bool,
@@ -56,6 +58,7 @@ impl Autopilot {
             frame,
             wrong: Attitude::default(),
             obliges: true,
+            backwards: false,
             inav: false,
             voice: Voice::new(seed),
             often: 1,
@@ -87,9 +90,13 @@ impl Autopilot {
 
     fn speak(&mut self, now: Time) {
         self.flight.scan(now, &mut self.frame);
-        let truth = self.flight.truth_at(now);
+        let mut truth = self.flight.truth_at(now);
+        if self.backwards {
+            truth = Attitude { roll: -truth.roll, pitch: -truth.pitch };
+        }
         let aiding = self.frame.aiding;
         if let [Some(p), Some(q), Some(r)] = aiding.gyro_deg_s {
+            let [p, q] = if self.backwards { [-p, -q] } else { [p, q] };
             let rates = if self.inav { [p, -q, -r].map(f64::to_degrees) } else { [p, q, r] };
             self.send(now, &voice::attitude(self.clock(now), truth, self.wrong, 1.0, rates));
         }

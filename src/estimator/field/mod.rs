@@ -289,8 +289,8 @@ impl FieldEstimator {
 }
 
 impl Estimator for FieldEstimator {
-    fn rate_correction(&self) -> Vector {
-        if self.gyro.in_use() { correction(&self.state) } else { [0.0; 3] }
+    fn rate_correction(&self) -> Option<Vector> {
+        if self.gyro.in_use() { Some(correction(&self.state)) } else { self.gyro.heard().is_none().then_some([0.0; 3]) }
     }
 
     fn rates(&self) -> Option<Vector> {

@@ -142,8 +142,9 @@ impl Turns {
 impl FieldEstimator {
     /// Compares the gyro with the thermopiles that are heard.
     pub(super) fn compare_turns(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) {
-        let seen = self.seen(&self.lately(readings, now));
-        self.turns.update(seen, self.gyro.heard(), now);
+        let rates = self.gyro.heard();
+        let seen = rates.and_then(|_| self.seen(&self.lately(readings, now)));
+        self.turns.update(seen, rates, now);
     }
 
     /// Forgets what was made of a gyro that turns otherwise: scenes, noise, and sensors at fault.

@@ -128,10 +128,8 @@ impl ClimbSense {
             let other = [!self.upside_down, self.upside_down].map(usize::from);
             if self.left[other[1]] > UNFIT_M2 && self.left[other[0]] < BETTER * self.left[other[1]] {
                 self.upside_down = !self.upside_down;
-                log::info!(
-                    "the autopilot says its climb upside down {}",
-                    if self.upside_down { "" } else { "no more" }
-                );
+                let now = if self.upside_down { "upside down" } else { "upside down no more" };
+                log::info!("the autopilot says its climb {now}");
             }
         }
         if self.upside_down { -said } else { said }
