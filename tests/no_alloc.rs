@@ -21,7 +21,7 @@ use irhorizon::mavlink::publisher::Publisher;
 use irhorizon::mavlink::switchboard::Switchboard;
 use irhorizon::recording::Taps;
 use irhorizon::simulation::fault::Kind;
-use irhorizon::simulation::{Fault, Outage, SimulatedSource};
+use irhorizon::simulation::{Fault, Flight, Outage, SimulatedSource};
 use irhorizon::sky::FieldOfView;
 use irhorizon::source::FrameSource;
 use irhorizon::state::Shared;
@@ -141,6 +141,7 @@ fn an_autopilot_is_heard() {
     let settings = Settings { simulation: Some(SimulationSettings::default()), ..Settings::default() };
     let head = Head::six();
     let source = SimulatedSource::new(&SimulationSettings::default(), &head, FieldOfView::Gaussian { fwhm_deg: 90.0 });
+    let flight = Flight::demo(SimulationSettings::default().seed);
     let (shared, inbox) = (Arc::new(Shared::default()), Arc::new(Inbox::default()));
     let horizon = Horizon::new(&settings, head.clone());
     let mut sampling =
@@ -155,7 +156,10 @@ fn an_autopilot_is_heard() {
         let say = |what| inbox.push(Said { time: at(i.saturating_sub(2)), arrived: at(i), what });
         inbox.tell(Link { system: Some(1), heard: at(i), aids: true, ..Link::default() });
         if i % 5 != 0 {
-            say(What::Rates([1.0, -2.0, 3.0]));
+            let angles = |more: f64| flight.angles(0.02 * i.saturating_sub(2) as f64 + more);
+            let (before, after, (sin, cos)) = (angles(-0.01), angles(0.01), angles(0.0)[0].sin_cos());
+            let [roll, pitch] = [0, 1].map(|k| (after[k] - before[k]).to_degrees() / 0.02);
+            say(What::Rates([roll, pitch * cos, -pitch * sin]));
             say(What::Attitude(Attitude::default(), 0.0));
         }
         if i % 10 == 0 {

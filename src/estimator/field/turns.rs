@@ -41,6 +41,8 @@ const BIAS: f64 = 0.2;
 #[derive(Clone, Debug, Default)]
 pub struct Turns {
     stretch: Option<Stretch>,
+    /// The gyro's rates as the sensors show them, rad/s, and when.
+    shown: Option<(Vector, Time)>,
     /// What the gyro says too much, rad/s, and in how many stretches that has been learnt.
     bias: Vector,
     learnt: f64,
@@ -105,9 +107,16 @@ impl Stretch {
 }
 
 impl Turns {
-    /// Takes in where the sky is seen and the gyro's mean rates since the last frame, rad/s on nose, left, up.
-    pub fn update(&mut self, seen: Option<Seen>, rates: Option<Vector>, now: Time) {
+    /// Takes in where the sky is seen, by sensors with a time constant of `lag_s`, and the gyro's mean rates since the last
+    /// frame, rad/s on nose, left, up.
+    pub fn update(&mut self, seen: Option<Seen>, rates: Option<Vector>, lag_s: f64, now: Time) {
         let stretch = self.stretch.take().filter(|s| (0.0..GAP_S).contains(&now.since(s.last)));
+        let rates = rates.map(|rates| {
+            let (before, last) = self.shown.unwrap_or((rates, now));
+            let share = -(-now.since(last).max(0.0) / lag_s.max(1e-3)).exp_m1();
+            add_scaled(before, share, add_scaled(rates, -1.0, before))
+        });
+        self.shown = rates.map(|rates| (rates, now));
         let (Some(seen), Some(rates)) = (seen, rates) else { return };
         let over = |s: &Stretch| now.since(s.since) >= 2.0 * HALF_S;
         if let Some(told) = stretch.filter(over).and_then(|s| s.told()) {
@@ -144,7 +153,7 @@ impl FieldEstimator {
     pub(super) fn compare_turns(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) {
         let rates = self.gyro.heard();
         let seen = rates.and_then(|_| self.seen(&self.lately(readings, now)));
-        self.turns.update(seen, rates, now);
+        self.turns.update(seen, rates, self.tuning.lag_s, now);
     }
 
     /// Forgets what was made of a gyro that turns otherwise: scenes, noise, and sensors at fault.
@@ -201,7 +210,7 @@ mod tests {
             let rates = [0.35 * 1.3 * (1.3 * (t - 0.01)).cos(), 0.0, 0.0];
             let sky = [wander_k * (2.1 * t).sin(), sky_k * roll.sin(), sky_k * roll.cos()];
             let seen = Seen { sky_k: sky, rest_k: Pattern::default(), lopsided: 0.0 };
-            turns.update(Some(seen), Some(gyro(rates)), Time::from_secs_f64(9.0 + t));
+            turns.update(Some(seen), Some(gyro(rates)), 0.0, Time::from_secs_f64(9.0 + t));
             turns.contradict()
         })
     }
@@ -239,7 +248,7 @@ mod tests {
             let (roll, rate) = (0.35 * (1.3 * t).sin(), 0.35 * 1.3 * (1.3 * (t - 0.01)).cos());
             let seen =
                 Seen { sky_k: [0.0, 30.0 * roll.sin(), 30.0 * roll.cos()], rest_k: Pattern::default(), lopsided: 0.0 };
-            turns.update(Some(seen), Some([rate, 0.0, 0.0]), Time::from_secs_f64(9.0 + t));
+            turns.update(Some(seen), Some([rate, 0.0, 0.0]), 0.0, Time::from_secs_f64(9.0 + t));
         }
         assert!(!turns.contradict());
     }
