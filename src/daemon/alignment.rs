@@ -67,7 +67,8 @@ impl Alignment {
     pub fn autopilot(&mut self, horizon: &Horizon, now: Time) -> Autopilot {
         let autopilot = self.aligner.autopilot(now);
         let believed = horizon.rate_correction().is_some();
-        if believed != self.believed {
+        // While they are silent nothing is known of them.
+        if autopilot.used && believed != self.believed {
             self.believed = believed;
             if believed {
                 log::info!("the autopilot's body rates are believed again");
