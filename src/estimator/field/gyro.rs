@@ -26,6 +26,12 @@ const HELD: f64 = 1.0 / 6.0;
 /// Within this time an aircraft's inertia keeps its rates near a line, s.
 const SMOOTH_S: f64 = 0.04;
 
+/// Rates as sensors with a time constant of `lag_s` show them, `dt_s` after those `before`.
+pub fn shown(before: Vector, rates: Vector, dt_s: f64, lag_s: f64) -> Vector {
+    let share = -(-dt_s / lag_s.max(1e-3)).exp_m1();
+    add_scaled(before, share, add_scaled(rates, -1.0, before))
+}
+
 /// The gyro of an autopilot.
 #[derive(Clone, Debug, Default)]
 pub struct Gyro {

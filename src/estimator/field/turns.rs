@@ -8,6 +8,7 @@ use super::FieldEstimator;
 use super::change::SceneChange;
 use super::directions::Pattern;
 use super::form::Form;
+use super::gyro::shown;
 use super::noise::NoiseLevel;
 use super::state::MAX_SENSORS;
 use crate::estimator::Standing;
@@ -113,8 +114,7 @@ impl Turns {
         let stretch = self.stretch.take().filter(|s| (0.0..GAP_S).contains(&now.since(s.last)));
         let rates = rates.map(|rates| {
             let (before, last) = self.shown.unwrap_or((rates, now));
-            let share = -(-now.since(last).max(0.0) / lag_s.max(1e-3)).exp_m1();
-            add_scaled(before, share, add_scaled(rates, -1.0, before))
+            shown(before, rates, now.since(last).max(0.0), lag_s)
         });
         self.shown = rates.map(|rates| (rates, now));
         let (Some(seen), Some(rates)) = (seen, rates) else { return };

@@ -1,11 +1,12 @@
 //! All that is heard of the autopilot, and all that it is asked. Time comes in as an argument.
 
 use super::choice::{Choice, Source};
+use super::climb::Climb;
 use super::clock::Clock;
 use super::decode::{Stamp, Words, decode, rates};
 use super::intervals::Intervals;
 use super::meter::Meter;
-use super::sense::{ClimbSense, Sense};
+use super::sense::Sense;
 use super::timesync::Asker;
 use crate::aiding::{Inbox, Link, Said, What};
 use crate::config::settings::{EndpointAddress, MavlinkSettings};
@@ -56,7 +57,7 @@ pub struct Listener {
     asker: Asker,
     choice: Choice,
     sense: Sense,
-    climb: ClimbSense,
+    climb: Climb,
     intervals: Intervals,
     rates: Meter,
     gps: Meter,
@@ -100,7 +101,7 @@ impl Listener {
             asker: Asker::default(),
             choice: Choice::default(),
             sense: Sense::default(),
-            climb: ClimbSense::default(),
+            climb: Climb::default(),
             rates: Meter::default(),
             gps: Meter::default(),
             air: Meter::default(),
@@ -283,7 +284,7 @@ impl Listener {
         if began {
             log::info!("the autopilot's clock has begun anew");
             self.asker = Asker::default();
-            (self.sense, self.climb) = (Sense::default(), ClimbSense::default());
+            (self.sense, self.climb) = (Sense::default(), Climb::default());
             self.intervals.restart();
             self.newest = [None; 2];
         }

@@ -16,6 +16,7 @@ mod judge;
 mod other;
 mod rival;
 
+use super::gyro::shown;
 use super::model::{Model, Scene};
 use super::predict::Pace;
 use super::start::Start;
@@ -172,11 +173,7 @@ impl Witnesses {
                 w.count[i] += 1;
             }
         }
-        self.shown = known.gyro.map(|rates| {
-            let before = self.shown.unwrap_or(rates);
-            let share = -(-dt_s / known.lag_s.max(1e-3)).exp_m1();
-            add_scaled(before, share, std::array::from_fn(|i| rates[i] - before[i]))
-        });
+        self.shown = known.gyro.map(|rates| shown(self.shown.unwrap_or(rates), rates, dt_s, known.lag_s));
         w.turned = add_scaled(w.turned, dt_s, self.shown.unwrap_or_default());
         w.dt_s += dt_s;
         if w.dt_s >= STEP_S - 1e-3 && model.sensors() >= FEWEST {
