@@ -81,9 +81,9 @@ impl FieldEstimator {
     pub(super) fn doubt_axes(&mut self, dt_s: f64) {
         let large = self.tuning.askew.1.powi(2);
         let expected = (self.state.askew2, large);
-        let shows = self.gyro.in_use()
-            && self.model.shows_scenes()
-            && IfExpected::of(&self.state, STATES, expected).is_some_and(|then| then.likelier > SURE);
+        let usable = self.gyro.in_use() && self.model.shows_scenes();
+        let likelier = IfExpected::of(&self.state, STATES, expected).map_or(0.0, |then| then.likelier);
+        let shows = usable && likelier > SURE;
         self.askew_s = if shows { self.askew_s + dt_s } else { 0.0 };
         if self.askew_s > LASTS_S {
             self.askew_s = 0.0;
@@ -91,6 +91,8 @@ impl FieldEstimator {
             // What the axes did may have been taken for a bias.
             (RATE..RATE + 3).for_each(|i| self.state.add_variance(i, self.tuning.bias.0.powi(2)));
             self.state.askew2 = large;
+            // And readings that fitted no sky for errors of the sensors, where these explain less.
+            self.acquit_sensors(likelier);
         }
     }
 }
