@@ -81,10 +81,10 @@ impl FieldEstimator {
     pub(super) fn doubt_axes(&mut self, dt_s: f64) {
         let large = self.tuning.askew.1.powi(2);
         let expected = (self.state.askew2, large);
-        let usable = self.gyro.in_use() && self.model.shows_scenes();
-        let likelier = IfExpected::of(&self.state, STATES, expected).map_or(0.0, |then| then.likelier);
-        let shows = usable && likelier > SURE;
-        self.askew_s = if shows { self.askew_s + dt_s } else { 0.0 };
+        let tells = self.gyro.in_use() && self.model.shows_scenes();
+        let then = tells.then(|| IfExpected::of(&self.state, STATES, expected)).flatten();
+        let likelier = then.map_or(0.0, |then| then.likelier);
+        self.askew_s = if likelier > SURE { self.askew_s + dt_s } else { 0.0 };
         if self.askew_s > LASTS_S {
             self.askew_s = 0.0;
             STATES.for_each(|i| self.state.add_variance(i, large));

@@ -16,44 +16,47 @@ const UNLIKE: f64 = 0.5;
 impl FieldEstimator {
     /// Expects the sensors to be off once that shows.
     pub(super) fn calibrate(&mut self, dt_s: f64) {
-        let large = self.tuning.error.1.powi(2);
         let shows = self.gyro.in_use()
             && self.scene.long_unlike() > UNLIKE
             && self.errors_likelier().is_some_and(|likelier| likelier > SURE);
         self.off_s = if shows { self.off_s + dt_s } else { 0.0 };
         if self.off_s > LASTS_S {
             self.off_s = 0.0;
-            let (states, was) = (self.state.errors(), self.state.error2);
+            let (states, was, large) = (self.state.errors(), self.state.error2, self.large());
             expect(&mut self.state, states, (was, large));
             self.state.error2 = large;
         }
     }
 
+    /// The variance of large errors, K².
+    fn large(&self) -> f64 {
+        self.tuning.error.1.powi(2)
+    }
+
     /// How many times more likely, as a logarithm, large errors are; `None` where they are expected.
     fn errors_likelier(&self) -> Option<f64> {
-        let large = self.tuning.error.1.powi(2);
-        IfExpected::of(&self.state, self.state.errors(), (self.state.error2, large)).map(|then| then.likelier)
+        IfExpected::of(&self.state, self.state.errors(), (self.state.error2, self.large())).map(|then| then.likelier)
     }
 
     /// What spoke for errors of the sensors tells of them no more, where something else has been found that is `likelier`
     /// (as a logarithm) than these.
     pub(super) fn acquit_sensors(&mut self, likelier: f64) {
         if self.errors_likelier().is_some_and(|errors| errors < likelier) {
-            let (least, s) = (self.tuning.error.0.powi(2), &mut self.state);
-            s.error2 = least;
-            for i in s.errors() {
-                s.x[i] = 0.0;
-                s.set_variance(i, least);
-            }
+            self.state.errors().for_each(|i| self.state.x[i] = 0.0);
+            self.expect_least();
         }
+    }
+
+    fn expect_least(&mut self) {
+        let (least, s) = (self.tuning.error.0.powi(2), &mut self.state);
+        s.error2 = least;
+        s.errors().for_each(|i| s.set_variance(i, least));
     }
 
     /// With the first gyro little is expected; what was learnt by the last one stays.
     pub(super) fn set_errors(&mut self) {
-        let (least, s) = (self.tuning.error.0.powi(2), &mut self.state);
-        if self.gyro.in_use() && s.error2 <= 0.0 {
-            s.error2 = least;
-            s.errors().for_each(|i| s.set_variance(i, least));
+        if self.gyro.in_use() && self.state.error2 <= 0.0 {
+            self.expect_least();
         }
     }
 }
