@@ -22,6 +22,9 @@ const ADS_WORDS: u32 = 4;
 /// The share of a period that the slots may fill; the rest is for trying again, the estimator and
 /// the scheduler's delays.
 const USABLE: f64 = 0.9;
+/// The share of a period by which rounding may exceed [`USABLE`]: a rate that is advised fills it to
+/// the last digit.
+const ROUNDING: f64 = 1e-9;
 
 /// A chip: one address on one bus, and the sensors behind it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -161,13 +164,12 @@ impl Schedule {
     /// before each read; fails when it does not fit into the period.
     pub fn plan(sensors: &[SensorSettings], head: &Head, rate_hz: f64, quiet: Duration) -> Result<Self, DoesNotFit> {
         let plan = Self::lay_out(sensors, head, rate_hz, quiet);
-        let period_s = 1.0 / rate_hz;
-        if plan.needed.as_secs_f64() <= USABLE * period_s {
+        if plan.needed.as_secs_f64() * rate_hz <= USABLE + ROUNDING {
             return Ok(plan);
         }
         let highest = USABLE / plan.needed.as_secs_f64();
         let at_rest = Self::lay_out(sensors, head, rate_hz, Duration::ZERO).needed;
-        let spare_s = USABLE * period_s - at_rest.as_secs_f64();
+        let spare_s = USABLE / rate_hz - at_rest.as_secs_f64();
         // At most one quiet time before each transfer: what this gives always fits.
         let gaps = plan.slots.len() + 1 + usize::from(plan.housekeeping.is_some());
         let converting = sensors.iter().filter_map(|s| match &s.device {
