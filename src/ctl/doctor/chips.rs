@@ -1,7 +1,7 @@
 //! Findings on the sensors themselves.
 
 use super::facts::{Facts, Seen};
-use super::finding::{Check, Finding};
+use super::finding::{Check, Finding, told};
 use crate::bus::explain::{Place, explain_missing};
 use crate::ctl::view::Sensor;
 use crate::frame::Missing;
@@ -64,10 +64,8 @@ fn explained(seen: &Seen, why: Missing) -> (String, String) {
     let place = Place { name: s.name.clone(), chip, bus: PathBuf::from(&s.bus), address: s.address };
     let text = explain_missing(&place, why, &seen.system);
     let text = text.strip_prefix(&format!("{place}: ")).unwrap_or(&text);
-    match text.split_once("; ") {
-        Some((evidence, next)) => (evidence.to_owned(), next.to_owned()),
-        None => (text.to_owned(), "irhorizonctl sensors".to_owned()),
-    }
+    let (evidence, next) = told(text, "; ", "irhorizonctl sensors");
+    (evidence.to_owned(), next.to_owned())
 }
 
 fn count(s: &Sensor, name: &str) -> u64 {

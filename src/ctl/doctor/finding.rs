@@ -170,6 +170,25 @@ pub(super) fn merged(found: Vec<Finding>) -> Vec<Finding> {
     merged
 }
 
+/// What a text tells before `mark`, and the next step that it tells after it; `otherwise` where it tells none.
+pub(super) fn told<'a>(text: &'a str, mark: &str, otherwise: &'a str) -> (&'a str, &'a str) {
+    text.split_once(mark).filter(|(_, next)| !next.trim().is_empty()).unwrap_or((text, otherwise))
+}
+
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_is_always_a_next_step() {
+        assert_eq!(told("no bus: plug it in", ": ", "look"), ("no bus", "plug it in"));
+        assert_eq!(told("no bus", ": ", "look"), ("no bus", "look"));
+        for nothing in ["no bus: ", "no bus: \n"] {
+            assert_eq!(told(nothing, ": ", "look"), (nothing, "look"));
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Findings on configuration, service, D-Bus, and on the daemon at work.
 
 use super::facts::{Facts, Service, Silence};
-use super::finding::{Check, Finding};
+use super::finding::{Check, Finding, told};
 use crate::config::settings::{BusAddress, Settings};
 use crate::ctl::view::Status;
 use crate::dbus::NAME;
@@ -48,13 +48,9 @@ fn configuration(f: &Facts) -> Vec<Finding> {
             let first = lines.first().copied().unwrap_or("it cannot be used");
             let first = first.strip_prefix(&format!("{file}: ")).unwrap_or(first);
             // One that is about the whole file says what to do.
-            vec![match first.split_once(". ").filter(|_| more == 0) {
-                Some((evidence, next)) => Check::Configuration.fail(&file, evidence, next),
-                None => {
-                    let next = format!("see each with its line: irhorizonctl validate {file}");
-                    Check::Configuration.fail(&file, format!("{first}{rest}"), next)
-                }
-            }]
+            let otherwise = format!("see each with its line: irhorizonctl validate {file}");
+            let (evidence, next) = if more == 0 { told(first, ". ", &otherwise) } else { (first, &*otherwise) };
+            vec![Check::Configuration.fail(&file, format!("{evidence}{rest}"), next)]
         }
         Ok(loaded) if !loaded.warnings.is_empty() => {
             let next = format!("correct it, then look again: irhorizonctl validate {file}");
@@ -87,7 +83,7 @@ fn schedule(f: &Facts) -> Finding {
         }
         Err(e) => {
             let text = e.to_string();
-            let (evidence, next) = text.split_once(": ").unwrap_or((&text, "set [daemon] rate-hz lower"));
+            let (evidence, next) = told(&text, ": ", "set [daemon] rate-hz lower");
             Check::Schedule.fail("", evidence, next)
         }
     }
@@ -147,7 +143,7 @@ fn dbus(f: &Facts) -> Finding {
             }
             // The error tells what is missing and then what to do.
             _ => {
-                let (evidence, next) = why.split_once(": ").unwrap_or((why, "start irhorizond"));
+                let (evidence, next) = told(why, ": ", "start irhorizond");
                 Check::Dbus.warn(NAME, evidence, next)
             }
         },

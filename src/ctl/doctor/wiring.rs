@@ -1,7 +1,7 @@
 //! Findings on device files, buses, adapters and GPIO lines.
 
 use super::facts::{Facts, Line, Node};
-use super::finding::{Check, Finding};
+use super::finding::{Check, Finding, told};
 use crate::bus::{BusError, Functions};
 use crate::config::settings::{DeviceSettings, PecPolicy, Settings};
 
@@ -112,7 +112,7 @@ fn line(line: &Line) -> Finding {
         ),
         // The error tells what is wrong and then what to do.
         Err(why) => {
-            let (evidence, next) = why.split_once(": ").unwrap_or((why, "see gpiodetect and gpioinfo"));
+            let (evidence, next) = told(why, ": ", "see gpiodetect and gpioinfo");
             C.fail(&line.purpose, evidence, next)
         }
     }
