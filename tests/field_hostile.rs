@@ -108,6 +108,28 @@ fn half_a_second_of_nonsense_is_forgotten() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// No sky is a thousand kelvin colder than the ground: what was made of half a second of anything that a broken bus can give
+/// is given up.
+#[test]
+fn a_contrast_of_no_world_is_given_up() {
+    let truth = Attitude::from_degrees(12.0, -4.0);
+    let mut anything = 1_u32;
+    for beginning in 0..40 {
+        let (mut estimator, mut last) = (fresh(), Solution::default());
+        for i in 0..300 {
+            let mut frame = CLEAR.frame(&Head::six(), truth, i * TICK_NS);
+            for sensor in 0..if i < 25 { 6 } else { 0 } {
+                anything = anything.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                set(&mut frame, sensor, -273.15 + 1273.15 * f64::from(anything >> 8) / f64::from(1 << 24));
+            }
+            last = estimator.update(&frame);
+            sound(&last);
+            assert!(last.contrast_k.is_none_or(|k| k.abs() <= 200.0), "{beginning}, {i}: {last:?}");
+        }
+        assert!(off_deg(&last, truth) < 3.0, "{beginning}: {last:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 

@@ -5,7 +5,9 @@ use super::correct::Misfit;
 use super::moved::Moved;
 use super::scene::SceneStrength;
 use super::start::{Start, start};
-use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, State, TURN, VIEW};
+use super::state::{
+    CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, MOST_CONTRAST_K, OFFSET, RADIANCE, RATE, SEEN, State, TURN, VIEW,
+};
 use super::{FieldEstimator, Tuning};
 use crate::estimator::whiteness::Whiteness;
 use crate::time::Time;
@@ -27,7 +29,8 @@ pub fn paces(t: &Tuning) -> ([Whiteness; 2], [Whiteness; 2], Whiteness, SceneStr
 impl FieldEstimator {
     /// Begins with what one frame says; `false` where that is not enough.
     pub(super) fn begin(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) -> bool {
-        let start = start(&self.model, readings, self.needed().0, &self.tuning);
+        let start = start(&self.model, readings, self.needed().0, &self.tuning)
+            .filter(|s| s.scene.contrast_k.abs() <= MOST_CONTRAST_K);
         start.inspect(|start| self.begin_with(start, readings, now)).is_some()
     }
 
