@@ -6,6 +6,7 @@
 
 use super::FieldEstimator;
 use super::expected::{IfExpected, expect};
+use super::moved::Moved;
 
 /// How many times more likely, as a logarithm, large errors must be; for so long, s.
 const SURE: f64 = 25.0;
@@ -25,6 +26,8 @@ impl FieldEstimator {
             let (states, was, large) = (self.state.errors(), self.state.error2, self.large());
             expect(&mut self.state, states, (was, large));
             self.state.error2 = large;
+            // What moves the sky's shape then is no wall.
+            self.moved = Moved::default();
         }
     }
 
