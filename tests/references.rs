@@ -138,3 +138,25 @@ fn a_gyro_that_is_wrong_is_found_out() {
         }
     }
 }
+
+/// What a tube says of the true airspeed, m/s.
+type Tube = fn(f64) -> f64;
+
+/// A tube that shows too little or too much, and none that counts: an airspeed that never changes. With turns all around the
+/// ground speeds tell how far it is off; what they tell comes later than what a right one does.
+#[test]
+fn an_airspeed_that_is_off_is_set_right() {
+    let aircraft = Aircraft { wind_m_s: [3.0, -4.0], ..Aircraft::default() };
+    let scenario = Scenario::named("warm-slope").unwrap().with_aircraft(aircraft);
+    let flights = Flown::all(&scenario, FLIGHTS);
+    let tubes: [(&str, Tube); 4] =
+        [("right", |v| v), ("20 % too low", |v| 0.8 * v), ("20 % too high", |v| 1.2 * v), ("always 15 m/s", |_| 15.0)];
+    for (what, says) in tubes {
+        let change = |frame: &mut Frame| frame.aiding.airspeed_m_s = frame.aiding.airspeed_m_s.map(says);
+        let score = score(&flights, change, || said(field(&scenario.head(), 0.1)));
+        let [roll, pitch] = [score.roll_rms_deg, score.pitch_rms_deg].map(|v| v.unwrap());
+        let covered = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap());
+        println!("airspeed {what}: {roll:.2} / {pitch:.2}; 2 sigma {covered:.1?} %");
+        assert!(roll.max(pitch) <= 1.0 && covered.iter().all(|c| *c > 92.0), "{what}: {score:?}");
+    }
+}

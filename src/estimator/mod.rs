@@ -7,7 +7,8 @@
 //! - [`trim`]: how the head is mounted, learnt in flight from slow references;
 //! - [`flying`]: what the readers of slow references share;
 //! - [`guard`]: where in doubt, to the safe side;
-//! - [`references`]: what GPS and airspeed say: the bank of a coordinated turn, the angle of climb;
+//! - [`references`]: what GPS and airspeed say: the bank of a coordinated turn, the angle of climb, the heading;
+//! - [`wind`]: the wind, and how far the airspeed is off;
 //! - [`sides`]: which side is up;
 //! - [`range`]: the low-pass filter of the adaptive range;
 //! - [`suits`]: which heads each method works with;
@@ -33,6 +34,7 @@ pub mod suits;
 pub mod trim;
 pub mod vector;
 pub mod whiteness;
+pub mod wind;
 
 pub use field::FieldEstimator;
 pub use inverse_sine::InverseSineEstimator;

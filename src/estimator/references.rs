@@ -1,6 +1,7 @@
-//! What GPS and airspeed say of the attitude: the bank of a coordinated turn, the angle of climb.
+//! What GPS and airspeed say of the attitude: the bank of a coordinated turn, the angle of climb, the heading.
 
 use crate::estimator::flying::{G_M_S2, Held, flying, fresh, keep, speed, wrapped};
+use crate::estimator::wind::{Speed, Wind};
 use crate::frame::Aiding;
 use crate::time::Time;
 use std::f64::consts::PI;
@@ -20,9 +21,6 @@ const BANK_SHARE: f64 = 0.2;
 /// rises and sinks (m/s).
 const ATTACK_SIGMA: f64 = 2_f64.to_radians();
 const UPDRAUGHT_M_S: f64 = 1.0;
-/// The share by which a speed is off: an airspeed by its calibration, a ground speed by the wind.
-const AIRSPEED_SHARE: f64 = 0.1;
-const WIND_SHARE: f64 = 0.3;
 
 /// An angle that a reference gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,10 +42,10 @@ pub struct Heard {
     pub climb: Option<Angle>,
     /// The course, rad; `None` while there is none.
     pub course: Option<f64>,
-    /// The airspeed of something that flies, m/s; `None` while there is none.
-    pub airspeed_m_s: Option<f64>,
-    /// Its ground speed, m/s; `None` while there is none.
-    pub ground_speed_m_s: Option<f64>,
+    /// The heading that a new fix tells and how far it may be off (1σ), rad.
+    pub heading: Option<(f64, f64)>,
+    /// The true airspeed of something that flies; `None` while nothing tells it.
+    pub speed: Option<Speed>,
 }
 
 /// From one course to the next, with the estimated roll in between.
@@ -66,6 +64,7 @@ pub struct References {
     airspeed: Held,
     ground_speed: Held,
     course: Held,
+    wind: Wind,
     climbed: Option<Time>,
     leg: Option<Leg>,
 }
@@ -78,20 +77,24 @@ impl References {
         keep(&mut self.airspeed, speed(aiding.airspeed_m_s), now);
         keep(&mut self.ground_speed, speed(aiding.ground_speed_m_s), now);
         keep(&mut self.course, course, now);
-        let ground_speed = flying(self.ground_speed, now);
-        let airspeed = flying(self.airspeed, now);
-        let speed = airspeed.map(|v| (v, AIRSPEED_SHARE)).or(ground_speed.map(|v| (v, WIND_SHARE)));
+        let (airspeed, ground_speed) = (flying(self.airspeed, now), flying(self.ground_speed, now));
+        let fix = ground_speed.zip(course);
+        if let Some(fix) = fix {
+            self.wind.hear(fix, aiding.climb_m_s.unwrap_or(0.0), airspeed, now);
+        }
+        let speed = self.wind.speed(airspeed, ground_speed, now);
+        let fix = fix.filter(|_| speed.is_some());
         Heard {
-            bank: self.bank(course, ground_speed, roll, now),
+            bank: self.bank(course, ground_speed.filter(|_| speed.is_some()), roll, now),
             climb: self.climb(aiding.climb_m_s, speed, now),
             course: fresh(self.course, now),
-            airspeed_m_s: airspeed,
-            ground_speed_m_s: ground_speed,
+            heading: fix.map(|fix| self.wind.heading(fix)),
+            speed,
         }
     }
 
-    fn climb(&mut self, climb_m_s: Option<f64>, speed: Option<(f64, f64)>, now: Time) -> Option<Angle> {
-        let (climb, (speed, share)) = (climb_m_s?, speed?);
+    fn climb(&mut self, climb_m_s: Option<f64>, speed: Option<Speed>, now: Time) -> Option<Angle> {
+        let (climb, Speed { m_s: speed, share, .. }) = (climb_m_s?, speed?);
         let span_s = now.since(self.climbed.replace(now)?);
         // Steeper than 30° is no flight over minutes.
         let usable = climb.abs() <= 0.5 * speed && span_s > 0.0 && span_s <= LONGEST_S;

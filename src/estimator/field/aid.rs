@@ -11,6 +11,7 @@ use super::tuning::Tuning;
 use crate::estimator::flying::{G_M_S2, wrapped};
 use crate::estimator::references::References;
 use crate::estimator::vector::{Vector, cross};
+use crate::estimator::wind::Speed;
 use crate::frame::Aiding;
 use crate::time::Time;
 
@@ -20,8 +21,10 @@ const GATE: f64 = 4.0;
 /// After so long without them they tell nothing any more, s.
 const SILENT_S: f64 = 10.0;
 
-/// An airspeed is off by this share: its calibration, and the density of the air.
-const AIRSPEED_SHARE: f64 = 0.05;
+/// The nose is off the heading by sideslip and by a fix that is late in a turn, rad; that and a drift that is not known last
+/// so long, s.
+const BESIDE: f64 = 8_f64.to_radians();
+const BESIDE_S: f64 = 20.0;
 
 /// The last that was heard of each, and how much each is off.
 #[derive(Clone, Debug, Default)]
@@ -51,18 +54,16 @@ impl Aid {
     ) {
         let up = state.vertical();
         let heard = self.references.hear(aiding, up[1].atan2(up[2]), now);
-        if heard.airspeed_m_s.or(heard.ground_speed_m_s).is_none() {
-            return;
-        }
+        let Some(Speed { m_s: speed, share, measured }) = heard.speed else { return };
         self.heard = Some(now);
-        if let (Some(course), Some(_), Some(_)) = (heard.course, heard.ground_speed_m_s, aiding.course_deg) {
-            self.heading(course, state, t, now);
+        if let Some(heading) = heard.heading {
+            self.heading(heading, state, now);
         }
         let up = state.vertical();
-        if let Some((gyro, speed)) = gyro.zip(heard.airspeed_m_s) {
+        if let Some(gyro) = gyro.filter(|_| measured) {
             // Without sideslip the weight's part along the wing turns the path: V·r = g·u_left.
             let bank = -speed * rates(state, t, Some(gyro))[2] / G_M_S2;
-            let errors = (t.turn.0.hypot(AIRSPEED_SHARE * bank), t.turn.1);
+            let errors = (t.turn.0.hypot(share * bank), t.turn.1);
             let said = Said { component: 1, offset: up[2], rate: speed / G_M_S2, off: bank - up[1], errors, dt_s };
             measure(state, t, &said, &mut self.by_rate);
         } else if let Some((bank, roll)) = heard.bank {
@@ -77,19 +78,18 @@ impl Aid {
         }
     }
 
-    /// On the average the nose looks along the course; wind puts it beside.
-    fn heading(&mut self, course: f64, state: &mut State, t: &Tuning, now: Time) {
+    fn heading(&mut self, (heading, sigma): (f64, f64), state: &mut State, now: Time) {
         let [north, west, up] = state.axes;
         if up[0].abs() > 0.8 {
             return;
         }
-        let error = wrapped(course - (-west[0]).atan2(north[0]));
+        let error = wrapped(heading - (-west[0]).atan2(north[0]));
         // Clockwise from above is about down.
         match self.heading.replace(now) {
             None => state.turn_heading(error),
             Some(at) => {
                 let h = [(TURN, -up[0]), (TURN + 1, -up[1]), (TURN + 2, -up[2])];
-                state.correct(&h, error, lasting(t.heading, now.since(at)));
+                state.correct(&h, error, lasting((sigma.hypot(BESIDE), BESIDE_S), now.since(at)));
                 state.settle();
             }
         }

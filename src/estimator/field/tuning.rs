@@ -78,8 +78,6 @@ pub struct Tuning {
     /// How long errors of a bank by the course, and of an angle of climb, last until more is known; how large they are [the
     /// references](crate::estimator::references) tell.
     pub lasting: (f64, f64),
-    /// The nose against the course: its error and how long that lasts.
-    pub heading: (f64, f64),
 }
 
 impl Default for Tuning {
@@ -120,7 +118,6 @@ impl Default for Tuning {
             offset: (deg(6.0), deg(0.02)),
             turn: (deg(3.0), 1.0),
             lasting: (1.0, 2.0),
-            heading: (deg(15.0), 20.0),
         }
     }
 }

@@ -1,16 +1,12 @@
-//! The learner: differences from the references, averaged over minutes, and the trim that follows.
+//! The learner: what the differences from the references over minutes say of the mounting, and the trim that follows.
 
+use super::differences::{Differences, Explained};
 use super::prior::Prior;
 use crate::attitude::Attitude;
 use crate::estimator::references::{Angle, References};
 use crate::frame::Aiding;
 use crate::time::Time;
 
-/// The time over which differences are averaged, s: long, since a mounting does not change in flight, and
-/// every gust that fades out of the mean would move the trim.
-const WINDOW_S: f64 = 600.0;
-/// The time after which a reference's error is another one, s.
-const CORRELATION_S: f64 = 3.0;
 /// The fastest change of the trim, rad/s.
 const FASTEST_RAD_S: f64 = 0.05_f64.to_radians();
 /// A larger difference is an error of something, rad.
@@ -18,66 +14,22 @@ const LARGEST: f64 = 30_f64.to_radians();
 /// The estimated angles beyond which nothing is compared, rad.
 const STEEPEST_ROLL: f64 = 45_f64.to_radians();
 const STEEPEST_PITCH: f64 = 30_f64.to_radians();
-/// A side of the sky or ground warmer than the other tilts the horizon by about so much (1σ), rad. It
-/// turns with the heading: flown round, it is nothing in the mean.
-const WARM_SIDE: f64 = 2.5_f64.to_radians();
 /// What the angle of attack grows by at twice the weight, about, rad.
 const ATTACK_PER_G: f64 = 5_f64.to_radians();
 /// The share of a lasting climb that may be the air's own rising.
 const AIR_SHARE: f64 = 0.5;
+/// The time after which a reference's error is another one, s: a gust, the beginning or end of a turn; air that rises or
+/// sinks over a hundred metres.
+const LASTS_S: [f64; 2] = [3.0, 7.0];
+/// What may be learnt of each angle, and the largest trim, rad.
+const ROLL: (Prior, f64) = (Prior::ROLL, 10_f64.to_radians());
+const PITCH: (Prior, f64) = (Prior::PITCH, 15_f64.to_radians());
 
-/// What is compared, beside the difference itself.
-#[derive(Clone, Copy, Debug)]
-struct Circumstances {
-    course: f64,
-    climb: f64,
-}
-
-/// What is learnt of one angle.
-#[derive(Clone, Copy, Debug)]
+/// The trim of one angle.
+#[derive(Clone, Copy, Debug, Default)]
 struct Axis {
-    prior: Prior,
-    /// The largest trim, rad.
-    limit: f64,
-    /// The weights in the mean: each is 1 over the variance of what it weighs, and fades with its age.
-    /// Their sum, and the sum of their squares by that variance, rad⁻².
-    weight: f64,
-    square: f64,
-    /// Means over the window: the difference, its squared departures in their own σ², the course as a
-    /// unit vector, the angle of climb.
-    means: [f64; 5],
     trim: f64,
     sigma: f64,
-}
-
-impl Axis {
-    fn new(prior: Prior, limit_deg: f64) -> Self {
-        Self { prior, limit: limit_deg.to_radians(), weight: 0.0, square: 0.0, means: [0.0; 5], trim: 0.0, sigma: 0.0 }
-    }
-
-    /// Takes in that the estimate is `difference` (rad) above the reference.
-    fn learn(&mut self, difference: f64, reference: Angle, seen: Circumstances) {
-        let Angle { sigma, span_s, .. } = reference;
-        if difference.abs() > LARGEST {
-            return;
-        }
-        let departure = if self.weight > 0.0 { (difference - self.means[0]) / sigma } else { 1.0 };
-        let new = span_s / (CORRELATION_S * sigma.powi(2));
-        let fading = (-span_s / WINDOW_S).exp();
-        self.weight = self.weight * fading + new;
-        self.square = self.square * fading.powi(2) + new;
-        let (sin, cos) = seen.course.sin_cos();
-        for (mean, value) in self.means.iter_mut().zip([difference, departure.powi(2), cos, sin, seen.climb]) {
-            *mean += new / self.weight * (value - *mean);
-        }
-        let [mean, scatter, north, east, climb] = self.means;
-        let error = (scatter.max(1.0) * self.square).sqrt() / self.weight;
-        let error = error.hypot(WARM_SIDE * north.hypot(east)).hypot(AIR_SHARE * climb);
-        let belief = self.prior.believe(mean, error);
-        let step = FASTEST_RAD_S * span_s;
-        self.trim += (belief.trim.clamp(-self.limit, self.limit) - self.trim).clamp(-step, step);
-        self.sigma = belief.sigma.hypot(belief.trim - self.trim);
-    }
 }
 
 /// The trim of a head, learnt in flight.
@@ -87,16 +39,19 @@ impl Axis {
 #[derive(Clone, Debug)]
 pub struct Learner {
     references: References,
-    roll: Axis,
-    pitch: Axis,
+    /// Of roll and of pitch.
+    differences: [Differences; 2],
+    explained: Explained,
+    axes: [Axis; 2],
 }
 
 impl Default for Learner {
     fn default() -> Self {
         Self {
             references: References::default(),
-            roll: Axis::new(Prior::ROLL, 10.0),
-            pitch: Axis::new(Prior::PITCH, 15.0),
+            differences: LASTS_S.map(Differences::new),
+            explained: Explained::default(),
+            axes: [Axis::default(); 2],
         }
     }
 }
@@ -111,9 +66,10 @@ impl Learner {
         }
         let heard = self.references.hear(aiding, roll, now);
         // Without a course nothing is known to have been flown round.
-        let course = heard.course.unwrap_or(0.0);
+        let heading = heard.heading.map(|(heading, _)| heading).or(heard.course).unwrap_or(0.0);
+        let (sin, cos) = heading.sin_cos();
         if let Some((bank, roll)) = heard.bank {
-            self.roll.learn(roll - bank.angle, bank, Circumstances { course, climb: 0.0 });
+            self.learn(0, roll - bank.angle, bank, [1.0, sin, -cos], 0.0);
         }
         if let Some(climb) = heard.climb
             && roll.abs() < STEEPEST_ROLL
@@ -122,20 +78,40 @@ impl Learner {
             // In a bank only this share of a turn about the wing is a change of pitch, and the wing
             // carries more than the weight.
             let share = roll.cos();
-            let sigma = (climb.sigma / share).hypot(ATTACK_PER_G * (1.0 / share - 1.0));
-            let of_head = Angle { sigma, ..climb };
-            self.pitch.learn((pitch - climb.angle) / share, of_head, Circumstances { course, climb: climb.angle });
+            let sigma = climb.sigma.hypot(ATTACK_PER_G * (1.0 - share));
+            self.learn(1, pitch - climb.angle, Angle { sigma, ..climb }, [share, cos, sin], climb.angle);
         }
+    }
+
+    /// Takes in that `angle` (0 is roll, 1 pitch) is estimated `difference` (rad) above the reference.
+    fn learn(&mut self, angle: usize, difference: f64, reference: Angle, shares: [f64; 3], climb: f64) {
+        let Angle { sigma, span_s, .. } = reference;
+        if difference.abs() > LARGEST {
+            return;
+        }
+        let left = difference - self.explained.of(angle, shares);
+        self.differences[angle].gather((difference, sigma), shares, left, span_s, climb);
+        let Some(explained) = Explained::by(&self.differences) else { return };
+        self.explained = explained;
+        let (prior, limit) = [ROLL, PITCH][angle];
+        let error = explained.error[angle].hypot(AIR_SHARE * self.differences[angle].climb());
+        let belief = prior.believe(explained.mounting[angle], error);
+        let step = FASTEST_RAD_S * span_s;
+        let axis = &mut self.axes[angle];
+        axis.trim += (belief.trim.clamp(-limit, limit) - axis.trim).clamp(-step, step);
+        axis.sigma = belief.sigma.hypot(belief.trim - axis.trim);
     }
 
     /// What the head shows in level flight beyond the configured trim, rad.
     pub fn trim(&self) -> Attitude {
-        Attitude { roll: self.roll.trim, pitch: self.pitch.trim }
+        let [roll, pitch] = self.axes.map(|axis| axis.trim);
+        Attitude { roll, pitch }
     }
 
     /// The part of the trim's standard deviation that it brings to the attitude, and how far it has yet
     /// to go, rad; 0 before anything was learnt.
     pub fn sigma(&self) -> Attitude {
-        Attitude { roll: self.roll.sigma, pitch: self.pitch.sigma }
+        let [roll, pitch] = self.axes.map(|axis| axis.sigma);
+        Attitude { roll, pitch }
     }
 }

@@ -1,11 +1,13 @@
 //! How the head sits on the airframe, learnt in flight from slow references. Pure: time comes with the frame.
 //!
 //! - [`prior`]: how much of a difference is the mounting's, and how much no more than the angle of attack;
-//! - [`learner`]: the differences averaged over minutes, and the trim that follows, never by a step.
+//! - [`differences`]: what explains the differences of minutes: the mounting, and a horizon that leans;
+//! - [`learner`]: the trim that follows, never by a step.
 //!
 //! The references are slow and coarse: none of them says what the attitude is now, their mean over minutes
 //! says how the head is mounted. Without them there is no trim; with them it stays within limits.
 
+pub mod differences;
 pub mod learner;
 pub mod prior;
 

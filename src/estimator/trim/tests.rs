@@ -86,6 +86,37 @@ fn an_angle_of_attack_is_no_mounting() {
     }
 }
 
+/// A horizon that leans by 5° to the south-west, of the mounting 6° nose up: flown round or not, half the circle or all of it,
+/// the two are told apart as far as they can be.
+#[test]
+fn a_horizon_that_leans_is_no_mounting() {
+    let lean = [-3.5_f64, -3.5];
+    for (turned_deg, off_deg) in [(360.0, 0.3), (180.0, 0.6)] {
+        let mut f = Flight::new();
+        for i in 0..3000_u32 {
+            f.now_s += 0.2;
+            // To and fro, within what is turned.
+            let phase = f64::from(i % 600) / 300.0;
+            let heading = (turned_deg * (phase.min(2.0 - phase))).to_radians();
+            let turn = turned_deg.to_radians() / 60.0 * if phase < 1.0 { 1.0 } else { -1.0 };
+            let bank = (18.0 * turn / 9.80665).atan();
+            let beside = lean[0] * heading.sin() - lean[1] * heading.cos();
+            let ahead = lean[0] * heading.cos() + lean[1] * heading.sin();
+            let seen = Attitude::from_degrees(bank.to_degrees() + beside, 6.0 * bank.cos() + ahead);
+            let aiding = Aiding {
+                airspeed_m_s: Some(18.0),
+                ground_speed_m_s: Some(18.0),
+                course_deg: Some(heading.to_degrees()),
+                climb_m_s: Some(0.0),
+                ..Aiding::default()
+            };
+            f.hear(seen, &aiding);
+        }
+        let trim = degrees(f.learner.trim());
+        assert!((trim.pitch - 5.8).abs() < off_deg && trim.roll.abs() < off_deg, "{turned_deg}: {trim:?}");
+    }
+}
+
 #[test]
 fn straight_flight_beside_a_warm_side_of_the_sky_is_believed_less() {
     let learn = |turning: bool| {
@@ -160,23 +191,32 @@ proptest! {
     }
 
     #[test]
-    fn left_is_as_right_and_up_as_down(roll in -9.0..9.0_f64, pitch in -9.0..9.0_f64) {
+    fn left_is_as_right(roll in -9.0..9.0_f64, pitch in -9.0..9.0_f64, climb in -1.0..1.0_f64) {
         let learn = |sign: f64| {
-            let mut f = Flight::new();
-            for i in 0..600 {
-                f.now_s += 0.2;
-                let course_deg = (sign * 0.6 * f64::from(i)).rem_euclid(360.0);
-                let aiding = Aiding {
-                    ground_speed_m_s: Some(15.0), course_deg: Some(course_deg), climb_m_s: Some(sign * 0.5),
-                    ..Aiding::default()
-                };
-                f.hear(Attitude::from_degrees(sign * roll, sign * pitch), &aiding);
-            }
-            degrees(f.learner.trim())
+            let course = |i: u32| Some((sign * 0.6 * f64::from(i)).rem_euclid(360.0));
+            flown(Attitude::from_degrees(sign * roll, pitch), course, climb)
         };
-        let (plus, minus) = (learn(1.0), learn(-1.0));
-        prop_assert!((plus.roll + minus.roll).abs() < 1e-9 && (plus.pitch + minus.pitch).abs() < 1e-9);
+        let (right, left) = (learn(1.0), learn(-1.0));
+        prop_assert!((right.roll + left.roll).abs() < 1e-9 && (right.pitch - left.pitch).abs() < 1e-9);
     }
+
+    #[test]
+    fn up_is_as_down(pitch in -9.0..9.0_f64, climb in -1.0..1.0_f64) {
+        let learn = |sign: f64| flown(Attitude::from_degrees(0.0, sign * pitch), |_| None, sign * climb);
+        let (up, down) = (learn(1.0), learn(-1.0));
+        prop_assert!((up.pitch + down.pitch).abs() < 1e-9 && up.roll == 0.0 && down.roll == 0.0);
+    }
+}
+
+/// The trim, °, where two minutes show `seen` on courses in degrees, climbing at `climb` m/s.
+fn flown(seen: Attitude, course: impl Fn(u32) -> Option<f64>, climb: f64) -> Attitude {
+    let mut f = Flight::new();
+    for i in 0..600 {
+        f.now_s += 0.2;
+        let (ground_speed_m_s, climb_m_s) = (Some(15.0), Some(climb));
+        f.hear(seen, &Aiding { ground_speed_m_s, course_deg: course(i), climb_m_s, ..Aiding::default() });
+    }
+    degrees(f.learner.trim())
 }
 
 /// Values from sane to absurd, and none.
