@@ -5,15 +5,16 @@ use super::correct::Misfit;
 use super::moved::Moved;
 use super::scene::SceneStrength;
 use super::start::{Start, start};
-use super::state::{
-    CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, MOST_CONTRAST_K, OFFSET, RADIANCE, RATE, SEEN, State, TURN, VIEW,
-};
+use super::state::{CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, State, TURN, VIEW};
 use super::{FieldEstimator, Tuning};
 use crate::estimator::whiteness::Whiteness;
 use crate::time::Time;
 
 /// Half of a sensor's step: what keeps its sign below that is no motion.
 const SILENT_K: f64 = 0.01;
+
+/// The largest contrast there is, K: a desert at noon has 75 °C, and the driest zenith −100 °C.
+const MOST_CONTRAST_K: f64 = 200.0;
 
 /// How much moves, before it is seen: body rates about the nose and across it, the contrast, the sensors' own scenes.
 pub fn paces(t: &Tuning) -> ([Whiteness; 2], [Whiteness; 2], Whiteness, SceneStrength) {
@@ -30,8 +31,14 @@ impl FieldEstimator {
     /// Begins with what one frame says; `false` where that is not enough.
     pub(super) fn begin(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) -> bool {
         let start = start(&self.model, readings, self.needed().0, &self.tuning)
-            .filter(|s| s.scene.contrast_k.abs() <= MOST_CONTRAST_K);
+            .filter(|start| self.is_of_this_world(start.scene.contrast_k));
         start.inspect(|start| self.begin_with(start, readings, now)).is_some()
+    }
+
+    /// Whether a sky can be colder than the ground, or warmer, by `contrast_k`, K. How many kelvin a pair's volts are nobody
+    /// may have told.
+    pub(super) fn is_of_this_world(&self, contrast_k: f64) -> bool {
+        contrast_k.abs() <= MOST_CONTRAST_K || !self.model.is_absolute()
     }
 
     /// Begins with an attitude and a sky.

@@ -369,7 +369,7 @@ impl Estimator for FieldEstimator {
         self.look(frame, now);
         self.aid.update(&frame.aiding, &mut self.state, &self.tuning, (now, dt_s), self.gyro.rates());
         let carried_s = if self.gyro.in_use() { CARRIED_S.1 } else { CARRIED_S.0 };
-        if !self.state.is_sound() {
+        if !(self.state.is_sound() && self.is_of_this_world(self.state.x[CONTRAST])) {
             self.last = None;
             return Solution::default();
         }
