@@ -1,4 +1,4 @@
-//! Linear equations.
+//! Linear equations, and the update of a Kalman filter.
 
 /// A pivot below this is none.
 const SMALLEST: f64 = 1e-12;
@@ -24,6 +24,20 @@ pub fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> 
         right[k] = (right[k] - rest) / matrix[k][k];
     }
     Some(right)
+}
+
+/// Takes an innovation of variance `s` into the first `n` states; `ph` is their covariance with it.
+pub fn gain<const M: usize>(x: &mut [f64; M], p: &mut [[f64; M]; M], n: usize, ph: &[f64; M], s: f64, innovation: f64) {
+    let inverse = 1.0 / s;
+    for i in 0..n {
+        let k = ph[i] * inverse;
+        x[i] += k * innovation;
+        if k != 0.0 {
+            for (p, h) in p[i][..n].iter_mut().zip(&ph[..n]) {
+                *p -= k * h;
+            }
+        }
+    }
 }
 
 #[cfg(test)]

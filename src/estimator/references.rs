@@ -78,17 +78,17 @@ impl References {
         keep(&mut self.ground_speed, speed(aiding.ground_speed_m_s), now);
         keep(&mut self.course, course, now);
         let (airspeed, ground_speed) = (flying(self.airspeed, now), flying(self.ground_speed, now));
-        let fix = ground_speed.zip(course);
-        if let Some(fix) = fix {
+        if let Some(fix) = ground_speed.zip(course) {
             self.wind.hear(fix, aiding.climb_m_s.unwrap_or(0.0), airspeed, now);
         }
         let speed = self.wind.speed(airspeed, ground_speed, now);
-        let fix = fix.filter(|_| speed.is_some());
+        // A ground speed that the airspeed contradicts is none.
+        let ground_speed = ground_speed.filter(|_| speed.is_some());
         Heard {
-            bank: self.bank(course, ground_speed.filter(|_| speed.is_some()), roll, now),
+            bank: self.bank(course, ground_speed, roll, now),
             climb: self.climb(aiding.climb_m_s, speed, now),
             course: fresh(self.course, now),
-            heading: fix.map(|fix| self.wind.heading(fix)),
+            heading: ground_speed.zip(course).map(|fix| self.wind.heading(fix)),
             speed,
         }
     }

@@ -4,6 +4,7 @@
 //! three states follows both. Until there have been turns it knows little, and says so.
 
 use super::flying::FLYING_M_S;
+use super::linear::gain;
 use crate::time::Time;
 
 /// The wind that is expected and its walk in a second, m/s.
@@ -54,54 +55,31 @@ impl Wind {
     /// Takes in a ground speed (m/s) with a course (rad), with the climb (m/s) and the airspeed (m/s) of that time.
     pub fn hear(&mut self, (ground, course): (f64, f64), climb: f64, airspeed: Option<f64>, now: Time) {
         let measured = airspeed.is_some();
-        let said = airspeed.unwrap_or(1.0);
-        let fresh = self.known.filter(|k| (0.0..HOLE_S).contains(&now.since(k.at)));
-        let mut known = fresh.unwrap_or(Known { x: [0.0; 3], p: [[0.0; 3]; 3], at: now, measured: !measured });
-        if fresh.is_none() {
-            (known.p[0][0], known.p[1][1]) = (WIND_M_S.0 * WIND_M_S.0, WIND_M_S.0 * WIND_M_S.0);
-        }
-        let dt_s = now.since(known.at);
         let (share, walk) = if measured { AIRSPEED } else { (CRUISE.0 * ground, CRUISE.1 * ground) };
-        if known.measured != measured {
-            (0..3).for_each(|i| (known.p[i][2], known.p[2][i]) = (0.0, 0.0));
-            known.p[2][2] = share * share;
-            known.x[2] = if measured { 1.0 } else { ground };
-            known.measured = measured;
-        }
+        let speed = (if measured { 1.0 } else { ground }, share);
+        let mut known = match self.lately(now) {
+            Some(known) if known.measured == measured => known,
+            before => Known::begin(before, speed, measured, now),
+        };
+        let dt_s = now.since(known.at);
         for (i, walk) in [WIND_M_S.1, WIND_M_S.1, walk].into_iter().enumerate() {
             known.p[i][i] += walk * walk * dt_s;
         }
         known.at = now;
-        known.compare((ground * course.cos(), ground * course.sin()), climb, said, dt_s);
+        known.compare((ground * course.cos(), ground * course.sin()), climb, airspeed.unwrap_or(1.0), dt_s);
         self.known = Some(known).filter(|k| k.x.iter().chain(k.p.as_flattened()).all(|v| v.is_finite()));
     }
-}
 
-impl Known {
-    fn compare(&mut self, (north, east): (f64, f64), climb: f64, said: f64, dt_s: f64) {
-        let (north, east) = (north - self.x[0], east - self.x[1]);
-        let speed = north.hypot(east).hypot(climb).max(1.0);
-        let h = [north / speed, east / speed, said];
-        let ph: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| self.p[i][j] * h[j]).sum());
-        let off = if self.measured { OFF_M_S.0 } else { OFF_M_S.1 };
-        let noise = off * off * (2.0 * LASTS_S / dt_s.max(1e-3)).max(1.0);
-        let variance = (0..3).map(|i| h[i] * ph[i]).sum::<f64>() + noise;
-        let innovation = speed - self.x[2] * said;
-        for i in 0..3 {
-            self.x[i] += ph[i] / variance * innovation;
-            for j in 0..3 {
-                self.p[i][j] -= ph[i] * ph[j] / variance;
-            }
-        }
+    /// What is known of this flight.
+    fn lately(&self, now: Time) -> Option<Known> {
+        self.known.filter(|k| (0.0..HOLE_S).contains(&now.since(k.at)))
     }
-}
 
-impl Wind {
     /// The true airspeed, where an airspeed and a ground speed (m/s) are said; `None` where they contradict each other, or
     /// there are none.
     pub fn speed(&self, airspeed: Option<f64>, ground: Option<f64>, now: Time) -> Option<Speed> {
         let (said, measured) = (airspeed.or(ground)?, airspeed.is_some());
-        let known = self.known.filter(|k| k.measured == measured && (0.0..HOLE_S).contains(&now.since(k.at)));
+        let known = self.lately(now).filter(|k| k.measured == measured);
         let Some(Known { x: [.., factor], p, .. }) = known else {
             return Some(Speed { m_s: said, share: if measured { AIRSPEED.0 } else { CRUISE.0 }, measured });
         };
@@ -122,6 +100,28 @@ impl Wind {
         let across = [-heading.sin(), heading.cos()];
         let variance: f64 = (0..2).map(|i| (0..2).map(|j| across[i] * known.p[i][j] * across[j]).sum::<f64>()).sum();
         (heading, (variance.sqrt() / speed).min(1.0))
+    }
+}
+
+impl Known {
+    /// With the wind that was known `before`, and a speed or its factor with its σ.
+    fn begin(before: Option<Self>, (speed, sigma): (f64, f64), measured: bool, now: Time) -> Self {
+        let wind = WIND_M_S.0 * WIND_M_S.0;
+        let anything = Self { x: [0.0; 3], p: [[wind, 0.0, 0.0], [0.0, wind, 0.0], [0.0; 3]], at: now, measured };
+        let Self { x: [north, east, _], p: [[nn, ne, _], [en, ee, _], _], at, .. } = before.unwrap_or(anything);
+        Self { x: [north, east, speed], p: [[nn, ne, 0.0], [en, ee, 0.0], [0.0, 0.0, sigma * sigma]], at, measured }
+    }
+
+    fn compare(&mut self, (north, east): (f64, f64), climb: f64, said: f64, dt_s: f64) {
+        let (north, east) = (north - self.x[0], east - self.x[1]);
+        let speed = north.hypot(east).hypot(climb).max(1.0);
+        let h = [north / speed, east / speed, said];
+        let ph: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| self.p[i][j] * h[j]).sum());
+        let off = if self.measured { OFF_M_S.0 } else { OFF_M_S.1 };
+        let noise = off * off * (2.0 * LASTS_S / dt_s.max(1e-3)).max(1.0);
+        let variance = (0..3).map(|i| h[i] * ph[i]).sum::<f64>() + noise;
+        let innovation = speed - self.x[2] * said;
+        gain(&mut self.x, &mut self.p, 3, &ph, variance, innovation);
     }
 }
 

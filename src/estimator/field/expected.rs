@@ -3,7 +3,8 @@
 //! What was said until then is not lost: of normal distributions one expectation can be taken out and another put in, as by
 //! a measurement whose variance is negative.
 
-use super::state::{MAX, MAX_SENSORS, State, gain};
+use super::state::{MAX, MAX_SENSORS, State};
+use crate::estimator::linear::gain;
 use std::ops::Range;
 
 /// The most states that can be asked about.

@@ -6,7 +6,8 @@
 //! there is much.
 
 use super::expected::{self, IfExpected};
-use super::state::{LEAN, MAX, OFFSET, State, TURN, gain};
+use super::state::{LEAN, MAX, OFFSET, State, TURN};
+use crate::estimator::linear::gain;
 use crate::estimator::vector::cross;
 
 /// How many times more likely, as a logarithm, a large lean must be.

@@ -1,5 +1,6 @@
 //! The filter's state: values, covariance, and the two things done with them.
 
+use crate::estimator::linear::gain;
 use crate::estimator::vector::{Vector, cross, dot, product, rotation, unit};
 use crate::sky::family::View;
 use std::ops::Range;
@@ -196,19 +197,5 @@ impl State {
         let n = self.size();
         self.x[..n].iter().all(|v| v.is_finite())
             && (0..n).all(|i| self.p[i][i] >= 0.0 && self.p[i][..n].iter().all(|v| v.is_finite()))
-    }
-}
-
-/// Takes an innovation of variance `s` into the first `n` states; `ph` is their covariance with it.
-pub fn gain<const M: usize>(x: &mut [f64; M], p: &mut [[f64; M]; M], n: usize, ph: &[f64; M], s: f64, innovation: f64) {
-    let inverse = 1.0 / s;
-    for i in 0..n {
-        let k = ph[i] * inverse;
-        x[i] += k * innovation;
-        if k != 0.0 {
-            for (p, h) in p[i][..n].iter_mut().zip(&ph[..n]) {
-                *p -= k * h;
-            }
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! The learner: what the differences from the references over minutes say of the mounting, and the trim that follows.
 
-use super::differences::{Differences, Explained};
+use super::differences::{Differences, Explained, Shares};
 use super::prior::Prior;
 use crate::attitude::Attitude;
 use crate::estimator::references::{Angle, References};
@@ -22,8 +22,7 @@ const AIR_SHARE: f64 = 0.5;
 /// sinks over a hundred metres.
 const LASTS_S: [f64; 2] = [3.0, 7.0];
 /// What may be learnt of each angle, and the largest trim, rad.
-const ROLL: (Prior, f64) = (Prior::ROLL, 10_f64.to_radians());
-const PITCH: (Prior, f64) = (Prior::PITCH, 15_f64.to_radians());
+const LEARNT: [(Prior, f64); 2] = [(Prior::ROLL, 10_f64.to_radians()), (Prior::PITCH, 15_f64.to_radians())];
 
 /// The trim of one angle.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,7 +83,7 @@ impl Learner {
     }
 
     /// Takes in that `angle` (0 is roll, 1 pitch) is estimated `difference` (rad) above the reference.
-    fn learn(&mut self, angle: usize, difference: f64, reference: Angle, shares: [f64; 3], climb: f64) {
+    fn learn(&mut self, angle: usize, difference: f64, reference: Angle, shares: Shares, climb: f64) {
         let Angle { sigma, span_s, .. } = reference;
         if difference.abs() > LARGEST {
             return;
@@ -93,7 +92,7 @@ impl Learner {
         self.differences[angle].gather((difference, sigma), shares, left, span_s, climb);
         let Some(explained) = Explained::by(&self.differences) else { return };
         self.explained = explained;
-        let (prior, limit) = [ROLL, PITCH][angle];
+        let (prior, limit) = LEARNT[angle];
         let error = explained.error[angle].hypot(AIR_SHARE * self.differences[angle].climb());
         let belief = prior.believe(explained.mounting[angle], error);
         let step = FASTEST_RAD_S * span_s;

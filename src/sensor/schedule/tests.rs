@@ -134,7 +134,7 @@ fn two_objects_share_a_chip() {
 
 #[test]
 fn a_rate_that_is_advised_fits_to_the_last_digit() {
-    // 2 × (570 + 2555) µs at 144 Hz are 0.9 of the period, and none of the three is a whole binary fraction.
+    // With 2555 µs it is 144 Hz, of whose period 2 × (570 + 2555) µs are 0.9 exactly.
     for quiet_us in 0..20_000 {
         if let Err(error) = plan(&six("/dev/i2c-1")[..1], 199.5, quiet_us) {
             assert!(plan(&six("/dev/i2c-1")[..1], error.highest_rate_hz, quiet_us).is_ok(), "{quiet_us} µs: {error}");

@@ -5,7 +5,8 @@
 
 use super::super::model::{Model, Scene, Seen};
 use super::super::start::Start;
-use super::super::state::{MAX_SENSORS, gain};
+use super::super::state::MAX_SENSORS;
+use crate::estimator::linear::gain;
 use crate::estimator::vector::{Vector, cross, dot, product, rotation, unit};
 
 const TURN: usize = 0;
