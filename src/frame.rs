@@ -17,6 +17,16 @@ pub enum Value {
     Volts(f64),
 }
 
+impl Value {
+    /// The sensor's own die temperature, °C, if it shows one and it has been read.
+    pub fn ambient_c(self) -> Option<f64> {
+        match self {
+            Self::Absolute { ambient_c, .. } => ambient_c,
+            Self::Volts(_) => None,
+        }
+    }
+}
+
 /// A measurement with the time of its successful conversion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {

@@ -11,12 +11,11 @@ use events::report::{self, Asked};
 
 /// What is known to be missed, said in docs/faults.md: in how many of the flights what is asked must be reached
 /// nevertheless.
-const KNOWN: [(&str, &str, &str, usize); 17] = [
-    ("film on one sensor, 92 % in 3 s", "without aiding", "seen in time", 20),
-    ("film on one sensor, 92 % in 3 s", "without aiding", "nothing else said", 19),
+const KNOWN: [(&str, &str, &str, usize); 15] = [
+    ("film on one sensor, 92 % in 3 s", "without aiding", "seen in time", 23),
+    ("film on one sensor, 92 % in 3 s", "without aiding", "nothing else said", 20),
     ("film on one sensor, 92 % in 3 s", "without aiding", "error", 11),
-    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "seen in time", 21),
-    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "nothing else said", 20),
+    ("film on one sensor, 92 % in 3 s", "with rates and GPS", "nothing else said", 23),
     ("lost sensor", "without aiding", "error", 19),
     ("ridge of 25° on one side, in 3 s", "without aiding", "seen in time", 16),
     ("ridge of 25° on one side, in 3 s", "without aiding", "nothing else said", 22),
@@ -24,10 +23,9 @@ const KNOWN: [(&str, &str, &str, usize); 17] = [
     ("ridge of 25° on one side, in 3 s", "with rates and GPS", "seen in time", 16),
     ("stuck sensor", "without aiding", "error", 23),
     ("valley of 35°, in 3 s", "without aiding", "seen in time", 20),
-    ("valley of 35°, in 3 s", "without aiding", "nothing else said", 21),
+    ("valley of 35°, in 3 s", "without aiding", "nothing else said", 23),
     ("valley of 35°, in 3 s", "without aiding", "2 sigma", 20),
     ("valley of 35°, in 3 s", "with rates and GPS", "seen in time", 20),
-    ("valley of 35°, in 3 s", "with rates and GPS", "nothing else said", 21),
     ("hail: 5 K to −2 K in 2 s", "without aiding", "error", 23),
 ];
 

@@ -60,7 +60,7 @@ impl WetSensors {
             apart_k = apart_k.zip(ambient_c).map(|(sum, own)| sum + (object_c - own).abs());
             range_c = (range_c.0.min(object_c), range_c.1.max(object_c));
             let hearing = solution.sensors.get(i).copied().unwrap_or_default();
-            film.see(object_c, ambient_c, &hearing, dt_s);
+            film.see((object_c, ambient_c), &hearing, obstructed, dt_s);
             film.judge(self.limit, obstructed, frame.time);
         }
         if self.absolute {

@@ -61,8 +61,11 @@ impl FieldEstimator {
     }
 
     /// The tilt that the scene may hide, rad: what is new may be a wall. What one sensor does is no scene; with a gyro that
-    /// is soon known.
+    /// is soon known, and that it may be a film below or above at once.
     pub(super) fn may_hide(&self) -> f64 {
+        if self.scene.long_unlike() < UNLIKE.1 && self.witnesses.may_see_film(&self.model) {
+            return 0.0;
+        }
         if self.gyro.in_use() && self.witnesses.undecided() {
             return self.hidden(self.scene.seen_k());
         }

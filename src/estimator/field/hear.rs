@@ -30,6 +30,7 @@ impl FieldEstimator {
                 return None;
             }
             self.stamps[i] = Some(time);
+            self.ambient_c[i] = frame.readings[i].ok().and_then(|s| s.value.ambient_c());
             newest = newest.max(Some(time));
             self.stuck[i].update(value, self.state.plain[i], time);
             Some(value)
@@ -74,6 +75,7 @@ impl FieldEstimator {
             gyro: self.turning(),
             usual_k: self.scene.usual_k(),
             noise_k: self.noise.variance().sqrt(),
+            ambient_c: self.ambient_c,
             lag_s: self.tuning.lag_s * s.x[LAG].clamp(-2.0, 2.0).exp(),
         };
         if self.blind {

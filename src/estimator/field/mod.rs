@@ -102,6 +102,8 @@ pub struct FieldEstimator {
     stamps: [Option<Time>; MAX_SENSORS],
     /// What was heard of each at its stamp.
     latest: [Option<f64>; MAX_SENSORS],
+    /// The die of each then, °C.
+    ambient_c: [Option<f64>; MAX_SENSORS],
     stuck: [Stuck; MAX_SENSORS],
     is_stuck: [bool; MAX_SENSORS],
     witnesses: Witnesses,
@@ -176,6 +178,7 @@ impl FieldEstimator {
             last: None,
             stamps: [None; MAX_SENSORS],
             latest: [None; MAX_SENSORS],
+            ambient_c: [None; MAX_SENSORS],
             stuck: [Stuck::default(); MAX_SENSORS],
             gyro: Gyro::default(),
             turns: Turns::default(),

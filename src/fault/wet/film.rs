@@ -7,8 +7,9 @@ use crate::time::Time;
 
 /// Shares are averaged over this time, s.
 const SHARE_S: f64 = 0.5;
-/// What it should show must differ from its own temperature by so much for a share to be seen, K.
-const APART_K: f64 = 3.0;
+/// What it should show must differ from its own temperature by so much for a share to be seen, K; for any film
+/// where the scene is found to be obstructed, which leaves in doubt what it should show, by more.
+const APART_K: (f64, f64) = (1.5, 3.0);
 /// Seconds for which it must be seen, and must be gone; for one that the others contradict without any film seen.
 const LASTS_S: (f64, f64) = (0.1, 1.0);
 const CONTRADICTED_S: f64 = 8.0;
@@ -37,8 +38,9 @@ impl Default for Film {
 }
 
 impl Film {
-    /// Takes in what it shows, its own temperature, and what the method makes of it.
-    pub fn see(&mut self, shown_c: f64, own_c: Option<f64>, hearing: &Hearing, dt_s: f64) {
+    /// Takes in what it shows, its own temperature, what the method makes of it, and whether the scene is found to be
+    /// `obstructed`.
+    pub fn see(&mut self, (shown_c, own_c): (f64, Option<f64>), hearing: &Hearing, obstructed: bool, dt_s: f64) {
         let doubted = matches!(hearing.standing, Standing::LeftOut | Standing::Doubted);
         let Some(expected) = hearing.expected_k.filter(|e| doubted && e.is_finite()) else {
             (self.share, self.lost, self.out_s) = (None, None, 0.0);
@@ -50,12 +52,15 @@ impl Film {
         } else if hearing.standing == Standing::LeftOut {
             self.out_s += dt_s;
         }
-        if let Some(own) = own_c.filter(|own| (own - expected).abs() > APART_K) {
+        if let Some(own) = own_c.filter(|own| (own - expected).abs() > APART_K.0) {
             let share = ((shown_c - expected) / (own - expected)).clamp(-1.0, 2.0);
             let before = self.share.unwrap_or(share);
             self.share = Some(before - (-dt_s / SHARE_S).exp_m1() * (share - before));
         }
         self.lost = hearing.lost;
+        if obstructed && own_c.is_some_and(|own| (own - expected).abs() < APART_K.1) {
+            (self.share, self.lost) = (None, None);
+        }
     }
 
     /// How much of a film there is by what is known: its own temperature, else what it does not follow.

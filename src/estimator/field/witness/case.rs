@@ -1,5 +1,6 @@
 //! What speaks against one sensor.
 
+use super::film::{Film, Shown};
 use super::filter::Testimony;
 use super::follow::Follow;
 use crate::estimator::Standing;
@@ -15,8 +16,8 @@ const BACK_S: f64 = 3.0;
 const BACK: (f64, f64) = (1.0, 0.06);
 /// What looks at the ground hardly changes: so long is enough in any case, s.
 const BACK_AT_LAST_S: f64 = 20.0;
-/// So far, K or as a share of the contrast, it must be to be left out: smaller ones are the scene's. A second sensor
-/// must be so many times as far, and its sum as high.
+/// So far, K or as a share of the contrast, it must be to be left out: smaller ones are the scene's, but for what a film would
+/// show. A second sensor must be so many times as far, and its sum as high.
 const GUILTY: (f64, f64) = (1.0, 0.08);
 const SECOND: f64 = 3.0;
 /// In so many steps it must have been ahead of all others. If it looks at the sky, by such a share of the contrast, and shows
@@ -47,6 +48,8 @@ pub struct Case {
     pub residual_k: Option<f64>,
     /// Whether it follows what it should show, since it is not heard.
     follow: Follow,
+    /// Whether it shows its own die.
+    film: Film,
     near_s: f64,
     /// What it should have shown meanwhile, least and most.
     near_k: Option<(f64, f64)>,
@@ -59,16 +62,25 @@ pub struct Case {
     is_back: bool,
 }
 
+/// One step of a sensor.
+#[derive(Clone, Copy, Debug)]
+pub struct Heard {
+    /// What it shows, and its die, °C.
+    pub reading: Option<f64>,
+    pub ambient_c: Option<f64>,
+    /// How long the step is, s.
+    pub dt_s: f64,
+    /// The contrast, K, and the ground, °C.
+    pub contrast: f64,
+    pub ground_c: f64,
+    /// Whether one is left out already.
+    pub second: bool,
+}
+
 impl Case {
-    /// Takes in what the others say of sensor `i` over `dt_s`, under a contrast, K, above a ground of so many °C; `second`: one is
-    /// left out already.
-    pub fn hear(
-        &mut self,
-        i: usize,
-        reading: Option<f64>,
-        testimony: &Testimony,
-        (dt_s, contrast, ground_c, second): (f64, f64, f64, bool),
-    ) {
+    /// Takes in what sensor `i` shows, and what the others say of it.
+    pub fn hear(&mut self, i: usize, heard: &Heard, testimony: &Testimony) {
+        let Heard { reading, ambient_c, dt_s, contrast, ground_c, second } = *heard;
         let expected = testimony.expected[i];
         self.expected_k = Some(expected);
         self.residual_k = reading.map(|r| r - expected);
@@ -77,6 +89,13 @@ impl Case {
         } else {
             reading.into_iter().for_each(|r| self.follow.update(expected, r, dt_s));
         }
+        let shown = reading.zip(ambient_c).map(|(reading, ambient_c)| Shown {
+            reading,
+            ambient_c,
+            expected: (expected, testimony.sigma_k[i]),
+            sky: (ground_c, contrast),
+        });
+        self.film.see(shown, dt_s);
         let apart_k = APART.0.max(APART.1 * contrast).max(APART.2 * testimony.sigma_k[i]);
         let far = self.residual_k.is_none_or(|r| r.abs() > apart_k);
         (self.near_s, self.near_k) = match self.near_k {
@@ -88,7 +107,8 @@ impl Case {
         let moved = moved_k > BACK.0.max(BACK.1 * contrast);
         self.is_back = self.near_s > BACK_S && moved || self.near_s > BACK_AT_LAST_S;
         self.colder = self.residual_k.is_some_and(|r| r < 0.0) && ground_c - expected > COLDER.0 * contrast;
-        let guilty_k = many(second) * GUILTY.0.max(GUILTY.1 * contrast);
+        let scenes_k = if self.film.is_seen() { 0.0 } else { GUILTY.1 * contrast };
+        let guilty_k = many(second) * GUILTY.0.max(scenes_k);
         self.guilty = self.residual_k.is_some_and(|r| r.abs() > guilty_k);
         self.others_fit += -(-dt_s / FIT_S).exp_m1() * (testimony.squared - self.others_fit);
         self.doubted_s = if self.standing == Standing::Doubted { self.doubted_s + dt_s } else { 0.0 };
@@ -102,6 +122,26 @@ impl Case {
     /// How surely it goes another way than it should: 0..1.
     pub fn strays(&self) -> f64 {
         self.follow.strays()
+    }
+
+    /// One of which nothing is known but whether it was right before.
+    pub fn anew(&self) -> Self {
+        Self { film: self.film.none(), ..Self::default() }
+    }
+
+    /// Whether a film on it explains all that is amiss; it may look `upright`.
+    pub fn has_film(&self, upright: bool) -> bool {
+        self.standing != Standing::LeftOut && self.film.is_there(upright) && self.is_all_there_is()
+    }
+
+    /// Whether a film that grows on it may explain that.
+    pub fn may_have_film(&self) -> bool {
+        self.standing != Standing::LeftOut && self.film.may_grow() && self.is_all_there_is()
+    }
+
+    /// How far it is from what it should show, K.
+    pub fn off_k(&self) -> f64 {
+        self.residual_k.map_or(f64::INFINITY, f64::abs)
     }
 
     /// Whether it is left out and may be heard again. Where the others know little of it, what is far off is near by their

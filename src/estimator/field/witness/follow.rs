@@ -28,13 +28,27 @@ impl Follow {
 
     /// How much it does not follow of what it should show, where that has changed: 0 for all of it, 1 for nothing.
     pub fn lost(&self) -> Option<f64> {
+        self.lost_of(CHANGES_K)
+    }
+
+    /// The same where that has changed by `changes_k`, K rms.
+    pub fn lost_of(&self, changes_k: f64) -> Option<f64> {
         let [w, e, z, ee, ez, _] = self.sums;
         if w < LOOKED {
             return None;
         }
         let [e, z, ee, ez] = [e / w, z / w, ee / w, ez / w];
         let changes = ee - e * e;
-        (changes > CHANGES_K * CHANGES_K).then(|| 1.0 - (ez - e * z) / changes)
+        (changes > changes_k * changes_k).then(|| 1.0 - (ez - e * z) / changes)
+    }
+
+    /// What a film at `ambient_c` does not explain of what it shows, as a share of how far that is from what it should show, rms.
+    pub fn beside_film(&self, ambient_c: f64) -> Option<f64> {
+        let [w, e, z, ee, ez, zz] = self.sums;
+        let apart = ambient_c * ambient_c * w - 2.0 * ambient_c * e + ee;
+        let along = ambient_c * (z - e) - ez + ee;
+        let off = zz - 2.0 * ez + ee;
+        (apart > 0.0).then(|| (off - along * along / apart).max(0.0).sqrt() / apart.sqrt())
     }
 
     /// How much what it shows changes, K rms.

@@ -3,7 +3,7 @@
 use super::super::model::Scene;
 use super::case::{Case, many};
 use super::other::opposed;
-use super::{Model, Rival, Witnesses};
+use super::{MAX_SENSORS, Model, Rival, Witnesses};
 use crate::estimator::Standing;
 
 /// From this sum of surprises on a sensor is left out, if it is so much ahead of all others for some time.
@@ -17,6 +17,9 @@ const LEVEL: f64 = 0.7;
 /// one, from this sum on, one of them is heard if it is less suspect by so much.
 const SURELY: f64 = 40.0;
 const NEARLY: f64 = 2.0;
+/// Of two that look up and down the one that is off so many times less is not suspect: what the other does looks like a cloud to
+/// who does not hear this one, and leaves it a little off.
+const FARTHER: f64 = 3.0;
 /// More sensors than so many, each with such a share of what the most suspect one surprises by, are no sensor's matter.
 const COMMON: (usize, f64) = (3, 0.5);
 /// As many sensors can be doubted at once; more are no sensors' matter.
@@ -45,15 +48,20 @@ impl Witnesses {
         // Where not to hear any of several is worth as much, the witness who hears all has lost its way: at a wall, in a valley.
         let worth = |c: &&Case| c.standing != Standing::LeftOut && c.surprise > COMMON.1 * most;
         let common = cases.iter().filter(worth).count() > COMMON.0;
+        let film = self.film(model).filter(|_| enough && !second);
         let enough = enough && !common && self.elsewhere() < most - AHEAD;
-        let plausible = |c: &Case| enough && c.standing != Standing::LeftOut && c.surprise > most - AHEAD;
+        let leads = |c: &Case| enough && c.standing != Standing::LeftOut && c.surprise > most - AHEAD;
         let cases = &mut self.cases[..n];
-        let count = cases.iter().filter(|c| plausible(c)).count();
-        let apart = level_pairs(model).any(|(i, j)| plausible(&cases[i]) && plausible(&cases[j]));
+        let upright: [bool; MAX_SENSORS] = std::array::from_fn(|i| i < n && is_upright(model, i));
+        let off_k = cases.iter().zip(upright).filter(|(c, upright)| *upright && leads(c)).map(|(c, _)| c.off_k());
+        let off_k = off_k.filter(|k| k.is_finite()).fold(0.0, f64::max);
+        let plausible = |i: usize, c: &Case| leads(c) && !(upright[i] && FARTHER * c.off_k() < off_k);
+        let count = cases.iter().enumerate().filter(|(i, c)| plausible(*i, c)).count();
+        let apart = level_pairs(model).any(|(i, j)| plausible(i, &cases[i]) && plausible(j, &cases[j]));
         let nearly = if apart && most > SURELY && self.shown.is_none() { NEARLY } else { AHEAD };
         let mut convicted = None;
         for (i, case) in cases.iter_mut().enumerate() {
-            let plausible = plausible(case);
+            let plausible = plausible(i, case);
             let alone = plausible && count == 1 && case.is_guilty() && most > many(second) * CONVICT;
             if case.leads(alone) {
                 convicted = Some(i);
@@ -63,12 +71,18 @@ impl Witnesses {
                 case.standing = if doubted { Standing::Doubted } else { Standing::Heard };
             }
         }
-        if let Some(k) = convicted {
+        if let Some(k) = convicted.or(film) {
             self.cases[k].standing = Standing::LeftOut;
             let all = self.without[k].clone();
             self.rival = self.rival_to(k, model);
             self.swear(model, all);
         }
+    }
+
+    /// The one sensor that a film is on.
+    fn film(&self, model: &Model) -> Option<usize> {
+        let mut films = (0..model.sensors()).filter(|i| self.cases[*i].has_film(is_upright(model, *i)));
+        films.next().filter(|_| films.next().is_none())
     }
 
     /// The other verdict beside that on sensor `k`; a gyro tells which of the two is to blame.
@@ -114,5 +128,10 @@ impl Witnesses {
 
 /// The pairs that look apart and along the horizon: what is too warm for one of them is so for the other.
 fn level_pairs(model: &Model) -> impl Iterator<Item = (usize, usize)> {
-    opposed(model).filter(|(i, _)| model.direction(*i)[2].abs() < LEVEL)
+    opposed(model).filter(|(i, _)| !is_upright(model, *i))
+}
+
+/// Whether sensor `i` looks up or down.
+pub fn is_upright(model: &Model, i: usize) -> bool {
+    model.direction(i)[2].abs() >= LEVEL
 }

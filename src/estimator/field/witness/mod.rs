@@ -5,11 +5,12 @@
 //! it are surprised, and the one that does not is not: the sums of their surprises tell which sensor that is, and
 //! what it should show.
 //!
-//! - `filter`: a witness; `case`: what speaks against one sensor; `follow`: whether it follows what it should show;
-//!   `other`: what else there is to blame;
+//! - `filter`: a witness; `case`: what speaks against one sensor; `follow`: whether it follows what it should show; `film`:
+//!   whether it shows its own die; `other`: what else there is to blame;
 //! - `judge`: from surprises to standings; `rival`: whether it was the sensor on the other side.
 
 mod case;
+mod film;
 mod filter;
 mod follow;
 mod judge;
@@ -25,8 +26,9 @@ use super::tuning::Tuning;
 use crate::attitude::Attitude;
 use crate::estimator::Standing;
 use crate::estimator::vector::{Vector, add_scaled};
-use case::Case;
+use case::{Case, Heard};
 use filter::{Step, Witness};
+use judge::is_upright;
 use other::Other;
 use rival::Rival;
 
@@ -66,6 +68,8 @@ pub struct Known<'a> {
     pub noise_k: f64,
     /// The sensors' time constant, s.
     pub lag_s: f64,
+    /// The temperature of each sensor's die, °C, where it is read.
+    pub ambient_c: [Option<f64>; MAX_SENSORS],
 }
 
 /// What is gathered until the next step.
@@ -127,6 +131,11 @@ impl Witnesses {
     /// Whether nothing is amiss but sensor `i`, which is left out.
     pub fn blames_only(&self, i: usize) -> bool {
         self.cases[i].standing == Standing::LeftOut && self.cases[i].is_all_there_is()
+    }
+
+    /// Whether a film that grows on one that looks up or down, where no wall comes, may be all that is amiss.
+    pub fn may_see_film(&self, model: &Model) -> bool {
+        (0..model.sensors()).any(|i| is_upright(model, i) && self.cases[i].may_have_film())
     }
 
     /// What attitude and sky are, once another sensor than before is found to be to blame.
@@ -197,7 +206,7 @@ impl Witnesses {
                 if case.standing == Standing::LeftOut {
                     all = all.deaf_to(i);
                 } else {
-                    *case = Case::default();
+                    *case = case.anew();
                 }
             }
             (self.shape, self.rival) = (now, None);
@@ -237,12 +246,14 @@ impl Witnesses {
         let second = heard <= FEWEST;
         for (i, witness) in self.without.iter_mut().enumerate() {
             let case = &mut self.cases[i];
+            let (reading, ambient_c, ground_c) = (readings[i], known.ambient_c[i], known.sky.ground_c);
+            let heard = Heard { reading, ambient_c, dt_s: window.dt_s, contrast, ground_c, second };
             if case.standing == Standing::LeftOut {
-                case.hear(i, readings[i], &whole, (window.dt_s, contrast, known.sky.ground_c, second));
+                case.hear(i, &heard, &whole);
             } else {
                 let testimony = witness.hear(model, &step, &readings);
                 case.surprise += testimony.likelihood - whole.likelihood;
-                case.hear(i, readings[i], &testimony, (window.dt_s, contrast, known.sky.ground_c, second));
+                case.hear(i, &heard, &testimony);
             }
         }
         self.bound();
