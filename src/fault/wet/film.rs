@@ -52,15 +52,17 @@ impl Film {
         } else if hearing.standing == Standing::LeftOut {
             self.out_s += dt_s;
         }
-        if let Some(own) = own_c.filter(|own| (own - expected).abs() > APART_K.0) {
+        let apart_k = own_c.map(|own| (own - expected).abs());
+        if obstructed && apart_k.is_some_and(|k| k < APART_K.1) {
+            (self.share, self.lost) = (None, None);
+            return;
+        }
+        if let Some(own) = own_c.filter(|_| apart_k.is_some_and(|k| k > APART_K.0)) {
             let share = ((shown_c - expected) / (own - expected)).clamp(-1.0, 2.0);
             let before = self.share.unwrap_or(share);
             self.share = Some(before - (-dt_s / SHARE_S).exp_m1() * (share - before));
         }
         self.lost = hearing.lost;
-        if obstructed && own_c.is_some_and(|own| (own - expected).abs() < APART_K.1) {
-            (self.share, self.lost) = (None, None);
-        }
     }
 
     /// How much of a film there is by what is known: its own temperature, else what it does not follow.

@@ -103,6 +103,23 @@ fn among_walls_what_the_others_say_proves_no_film() {
     assert_eq!(flight.told().len(), 1);
 }
 
+/// Below, where ground and die are nearly as warm: a film is named, but not among walls, which leave in doubt how warm it should be.
+#[test]
+fn a_film_on_what_is_nearly_as_warm_is_named_where_no_walls_are() {
+    for (obstructed, own_c, named) in [(false, 12.0, 1), (true, 12.0, 0), (true, 14.0, 1), (false, 11.0, 0)] {
+        let mut wet = WetSensors::new(&Head::six(), 0.5);
+        for i in 0..150 {
+            let mut shown_c = [3.0; 6];
+            shown_c[WET] = 0.9 * own_c + 0.1 * 10.0;
+            let mut solution = seen(30.0);
+            let expected_k = Some(10.0);
+            solution.sensors[WET] = Hearing { standing: Standing::LeftOut, expected_k, residual_k: None, lost: None };
+            wet.update(&frame(100.0 + 0.02 * f64::from(i), &shown_c, Some(own_c)), &solution, 2.0, obstructed);
+        }
+        assert_eq!(told(|f| wet.report(f)).len(), named, "{obstructed}, {own_c} °C");
+    }
+}
+
 #[test]
 fn it_dries() {
     let mut flight = Flight::new();

@@ -139,11 +139,6 @@ impl Case {
         self.standing != Standing::LeftOut && self.film.may_grow() && self.is_all_there_is()
     }
 
-    /// How far it is from what it should show, K.
-    pub fn off_k(&self) -> f64 {
-        self.residual_k.map_or(f64::INFINITY, f64::abs)
-    }
-
     /// Whether it is left out and may be heard again. Where the others know little of it, what is far off is near by their
     /// measure: then it stays out.
     pub fn is_acquitted(&self) -> bool {

@@ -3,7 +3,7 @@
 use super::super::model::Scene;
 use super::case::{Case, many};
 use super::other::opposed;
-use super::{MAX_SENSORS, Model, Rival, Witnesses};
+use super::{Model, Rival, Witnesses};
 use crate::estimator::Standing;
 
 /// From this sum of surprises on a sensor is left out, if it is so much ahead of all others for some time.
@@ -52,10 +52,10 @@ impl Witnesses {
         let enough = enough && !common && self.elsewhere() < most - AHEAD;
         let leads = |c: &Case| enough && c.standing != Standing::LeftOut && c.surprise > most - AHEAD;
         let cases = &mut self.cases[..n];
-        let upright: [bool; MAX_SENSORS] = std::array::from_fn(|i| i < n && is_upright(model, i));
-        let off_k = cases.iter().zip(upright).filter(|(c, upright)| *upright && leads(c)).map(|(c, _)| c.off_k());
-        let off_k = off_k.filter(|k| k.is_finite()).fold(0.0, f64::max);
-        let plausible = |i: usize, c: &Case| leads(c) && !(upright[i] && FARTHER * c.off_k() < off_k);
+        let upright = (0..n).filter(|i| is_upright(model, *i) && leads(&cases[*i]));
+        let farthest_k = upright.filter_map(|i| cases[i].residual_k).fold(0.0, |most: f64, k| most.max(k.abs()));
+        let is_near = |c: &Case| c.residual_k.is_some_and(|k| FARTHER * k.abs() < farthest_k);
+        let plausible = |i: usize, c: &Case| leads(c) && !(is_upright(model, i) && is_near(c));
         let count = cases.iter().enumerate().filter(|(i, c)| plausible(*i, c)).count();
         let apart = level_pairs(model).any(|(i, j)| plausible(i, &cases[i]) && plausible(j, &cases[j]));
         let nearly = if apart && most > SURELY && self.shown.is_none() { NEARLY } else { AHEAD };
