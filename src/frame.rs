@@ -49,7 +49,7 @@ pub enum Missing {
     ErrorFlag,
     /// A value at the end of the converter's range.
     Saturated,
-    /// A value that the sensor cannot give (outside its datasheet's range).
+    /// A value that the sensor cannot give (outside its datasheet's range), or cannot have seen (it jumps as no scene does).
     Impossible,
     /// A conversion did not finish in its time.
     NotReady,

@@ -8,6 +8,11 @@ use events::flown::{AIDING, fly, under};
 use events::outcome::run;
 use events::quiet::{self, Alarm};
 use events::report::{self, Asked};
+use irhorizon::simulation::SimulatedSource;
+use irhorizon::simulation::aerobatics::aerobatics;
+use irhorizon::simulation::aircraft::Aircraft;
+use irhorizon::simulation::manoeuvre::Style;
+use irhorizon::simulation::trajectory::Trajectory;
 
 /// What is known to be missed, said in docs/faults.md: in how many of the flights what is asked must be reached
 /// nevertheless.
@@ -120,4 +125,63 @@ fn nothing_is_said_of_turns_turbulence_loops_and_rolls() {
 #[test]
 fn nothing_is_said_of_ten_quiet_minutes() {
     silent("straight", &quiet::straight(0));
+}
+
+/// What was said in a flight, heard in one way. A wrong horizon given with confidence is off by more than 10° and more than
+/// twice its standard deviation.
+#[derive(Default)]
+struct Said {
+    /// Seconds of a wrong horizon given with confidence, and of any given.
+    wrong_s: f64,
+    given_s: f64,
+    /// Each name, and when first.
+    names: Vec<(String, f64)>,
+}
+
+fn listen(source: SimulatedSource, fault: &str, seconds: f64) -> [Said; 2] {
+    let source = source.with_faults(vec![fault.parse().unwrap_or_else(|e| panic!("{fault}: {e}"))]);
+    let mut both: [Said; 2] = Default::default();
+    fly(source, seconds, |aided, now| {
+        let said = &mut both[aided];
+        for name in now.names() {
+            if said.names.iter().all(|(n, _)| *n != name) {
+                said.names.push((name, now.time_s));
+            }
+        }
+        if let Some(error) = now.error.filter(|_| now.time_s > 5.0) {
+            said.given_s += 0.02;
+            said.wrong_s += if error.larger_deg > 10.0 && !error.covered { 0.02 } else { 0.0 };
+        }
+    });
+    both
+}
+
+#[test]
+fn a_sensor_that_says_anything_is_lost_and_misleads_nobody() {
+    let sensors = ["nose", "tail", "left", "right", "up", "down"];
+    for seed in 0..18 {
+        let who = sensors[(seed + seed / 6) as usize % 6];
+        let fault = format!("garbage:{who}@20..");
+        for (aided, said) in listen(under(seed).lasting(60.0).source(7000 + seed), &fault, 60.0).iter().enumerate() {
+            let flight = format!("seed {seed}, {fault}, {}: {:?}", AIDING[aided], said.names);
+            let first = said.names.first().unwrap_or_else(|| panic!("{flight}"));
+            assert!(first.0 == format!("sensor-lost:{who}") && first.1 < 20.3, "{flight}");
+            assert!(said.wrong_s == 0.0 && said.given_s > 50.0, "{flight}: {}, {} s", said.wrong_s, said.given_s);
+        }
+    }
+}
+
+/// Loops and rolls over hail: an aircraft on its back sees the world upright.
+#[test]
+fn hail_under_an_aircraft_that_turns_over_is_no_horizon() {
+    for seed in 0..12 {
+        let trajectory = Trajectory::fly(&Aircraft::default(), &Style::Scripted(aerobatics()), 91.0, 2000 + seed);
+        let source = under(seed).lasting(1.0).source(3000 + seed).with_trajectory(trajectory);
+        let fault = format!("hail={}@{}..", 1 + seed % 5, 20 + 3 * seed);
+        for (aided, said) in listen(source, &fault, 90.0).iter().enumerate() {
+            let flight = format!("seed {seed}, {fault}, {}: {:?}", AIDING[aided], said.names);
+            assert!(said.names.iter().any(|(name, _)| name == "inverted-contrast"), "{flight}");
+            assert!(said.wrong_s < 0.5, "{flight}: {} s", said.wrong_s);
+        }
+    }
 }

@@ -5,8 +5,10 @@ use super::{ActiveFault, Evidence, FaultKind};
 use crate::estimator::Solution;
 use crate::time::Time;
 
-/// Seconds for which ground and sky must be exchanged, and must be upright again.
-const LASTS_S: (f64, f64) = (0.1, 1.0);
+/// Seconds for which ground and sky must be exchanged, and must be upright again: by more than any hail makes the sky warmer,
+/// K, or by less, as they look to an aircraft on its back over hail.
+const LASTS_S: (f64, f64, f64) = (0.1, 1.0, 10.0);
+const HAIL_K: f64 = 10.0;
 /// They are exchanged beyond this share of the least contrast: with less the contrast is low.
 const REVERSED: f64 = 0.5;
 
@@ -37,6 +39,7 @@ impl Inverted {
         // What a method goes by may still be upside down.
         let z = solution.contrast_k.map_or(z, |contrast| contrast.min(z));
         self.vertical_k = z;
+        self.inverted.retune(LASTS_S.0, if z > HAIL_K { LASTS_S.1 } else { LASTS_S.2 });
         let limit_k = if self.inverted.is_active() { 0.0 } else { self.limit_k };
         self.inverted.update(z < limit_k, now)
     }
@@ -66,8 +69,12 @@ mod tests {
             (0.04, Some(-1.1), State::Active),
             (5.0, Some(-0.1), State::Active),
             (5.0, None, State::Active),
-            (0.96, Some(0.1), State::Active),
-            (0.1, Some(0.1), State::Clear),
+            (0.96, Some(10.1), State::Active),
+            (0.1, Some(10.1), State::Clear),
+            (0.2, Some(-1.1), State::Active),
+            // So little is what hail shows to an aircraft on its back.
+            (9.9, Some(4.0), State::Active),
+            (0.2, Some(4.0), State::Clear),
         ] {
             let mut state = inverted.update(&Solution::default(), at(time_s));
             for _ in 0..(seconds / 0.02_f64).round() as u32 {

@@ -6,12 +6,14 @@
 //! - [`inverted`]: ground and sky exchanged, `inverted-contrast`;
 //! - [`wet`]: `wet-sensor`; [`stuck`]: `sensor-stuck`;
 //! - [`obstructed`]: a scene that is no horizon, `obstructed`; [`disagree`]: `roll-disagrees`, `pitch-disagrees`;
+//! - [`erratic`]: readings that jump as no scene does are none;
 //! - [`sensors`]: `sensor-lost`, `sensor-saturated`, `bus-down`, `stale`;
 //! - [`debounce`]: hysteresis in time.
 
 pub mod debounce;
 pub mod detectors;
 pub mod disagree;
+pub mod erratic;
 pub mod inverted;
 #[cfg(test)]
 mod kit;

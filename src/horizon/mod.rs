@@ -17,6 +17,7 @@ use crate::config::settings::Method;
 use crate::estimator::trim::Learner;
 use crate::estimator::vector::Vector;
 use crate::estimator::{Estimator, Standing};
+use crate::fault::erratic::ErraticSensors;
 use crate::fault::{ActiveFault, Detectors, FaultKind};
 use crate::frame::{Frame, Missing};
 use crate::head::Head;
@@ -38,7 +39,9 @@ pub struct Horizon {
     estimator: Box<dyn Estimator>,
     detectors: Detectors,
     head: Head,
-    /// A frame without the sensors that are not to be heard.
+    erratic: ErraticSensors,
+    /// A frame without what cannot be, and that without the sensors that are stuck.
+    possible: Frame,
     heard: Frame,
     /// The airframe's attitude, as the method has it, and its standard deviation.
     last: Option<(Attitude, Attitude)>,
@@ -72,6 +75,8 @@ impl Horizon {
             },
             lag_said: settings.head.lag_s.is_some(),
             detectors: Detectors::new(f, &head),
+            erratic: ErraticSensors::new(&head),
+            possible: Frame::new(head.sensors.len()),
             heard: Frame::new(head.sensors.len()),
             head,
             last: None,
@@ -127,7 +132,7 @@ impl Horizon {
     pub fn update(&mut self, frame: &Frame, buses_down: &[Option<Missing>], estimate: &mut Estimate) {
         self.hear(frame);
         let solution = self.estimator.update(&self.heard);
-        let trusted = self.detectors.update(frame, &solution, buses_down);
+        let trusted = self.detectors.update(&self.possible, &solution, buses_down);
         let left_out = solution.sensors.iter().any(|s| s.standing != Standing::Heard);
         let doubt = self.detectors.compare(self.last.take().filter(|_| trusted), left_out, frame);
         estimate.faults.clear();
@@ -148,12 +153,14 @@ impl Horizon {
             // Suspected, not yet a fault.
             _ => Verdict::Nothing,
         };
-        self.output.update(verdict, frame.time, frame.sample_time(), estimate);
+        self.output.update(verdict, frame.time, self.possible.sample_time(), estimate);
     }
 
-    /// Copies a frame without the sensors that are stuck.
+    /// Copies a frame without what cannot be, and without the sensors that are stuck.
     fn hear(&mut self, frame: &Frame) {
-        self.heard.clone_from(frame);
+        self.possible.clone_from(frame);
+        self.erratic.take_out(&mut self.possible);
+        self.heard.clone_from(&self.possible);
         for (i, reading) in self.heard.readings.iter_mut().enumerate() {
             if self.detectors.is_stuck(i) {
                 *reading = Err(Missing::Empty);

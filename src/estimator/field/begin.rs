@@ -30,7 +30,7 @@ pub fn paces(t: &Tuning) -> ([Whiteness; 2], [Whiteness; 2], Whiteness, SceneStr
 impl FieldEstimator {
     /// Begins with what one frame says; `false` where that is not enough.
     pub(super) fn begin(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) -> bool {
-        let start = start(&self.model, readings, self.needed().0, &self.tuning)
+        let start = start(&self.model, readings, self.needed().0, &self.tuning, self.sides.up(now))
             .filter(|start| self.is_of_this_world(start.scene.contrast_k));
         start.inspect(|start| self.begin_with(start, readings, now)).is_some()
     }

@@ -151,9 +151,9 @@ pub struct FieldEstimator {
     /// For how long one reading has been far from what it was predicted, s.
     glitch_s: f64,
     /// How far it has turned about the vertical since it began, rad.
+    turned: f64,
     /// How far the sky's shape has moved.
     moved: Moved,
-    turned: f64,
 }
 
 impl FieldEstimator {
@@ -321,6 +321,7 @@ impl Estimator for FieldEstimator {
         if self.gyro.update(&frame.aiding, now, dt_s, self.turns.contradict()) {
             self.set_rates();
         }
+        self.sides.carry(self.turning().filter(|_| dt_s < GAP_S).map(|rates| rates.map(|r| r * dt_s)));
         // What one sensor does must not be taken for the attitude, or for the gyro.
         let hidden = self.gyro.in_use().then(|| self.hidden(self.scene.seen_k()));
         let against = self.misfit.is_lost(self.state.x[CONTRAST], hidden) && !self.undecided(now);

@@ -4,7 +4,7 @@ use super::model::{Model, Scene};
 use super::state::MAX_SENSORS;
 use super::tuning::Tuning;
 use crate::estimator::linear::solve;
-use crate::estimator::vector::{Vector, cross, dot, length, product, rotation, unit};
+use crate::estimator::vector::{Vector, add_scaled, cross, dot, length, product, rotation, unit};
 
 /// Steps of each descent.
 const STEPS: usize = 15;
@@ -25,9 +25,15 @@ pub struct Start {
 }
 
 /// The best fit to `readings` (missing ones are `None`) from a few first guesses, by damped least
-/// squares of bounded length; `None` with fewer than `needed` readings. Upright where both ways
-/// round fit.
-pub fn start(model: &Model, readings: &[Option<f64>; MAX_SENSORS], needed: usize, tuning: &Tuning) -> Option<Start> {
+/// squares of bounded length; `None` with fewer than `needed` readings. Where both ways round fit, the one in which up is
+/// nearer to `before`.
+pub fn start(
+    model: &Model,
+    readings: &[Option<f64>; MAX_SENSORS],
+    needed: usize,
+    tuning: &Tuning,
+    before: Vector,
+) -> Option<Start> {
     let depth = (tuning.depth.0, tuning.depth.1);
     let there = || (0..model.sensors()).filter_map(|i| readings[i].map(|r| (i, r)));
     if there().count() < needed {
@@ -47,8 +53,9 @@ pub fn start(model: &Model, readings: &[Option<f64>; MAX_SENSORS], needed: usize
         .fold((0.0_f64, 0.0_f64), |m, r| (m.0.min(r), m.1.max(r)));
     let contrast_k = (spread.1 - spread.0).max(if absolute { 0.0 } else { length(moment) }).max(0.1);
     let cold = unit(moment).unwrap_or([0.0, 0.0, 1.0]);
-    // Upside down, or the ground colder than the sky: the first cannot be at a start.
-    let (up, sign) = if cold[2] < 0.0 { (cold.map(|c| -c), -1.0) } else { (cold, 1.0) };
+    // Turned over, or the ground colder than the sky: the first cannot be.
+    let tilt = dot(cold, before);
+    let (up, sign) = if tilt < 0.0 { (cold.map(|c| -c), -1.0) } else { (cold, 1.0) };
     let ground_c = if absolute { mean + 0.4 * sign * contrast_k } else { 0.0 };
     let scene = Scene {
         ground_c,
@@ -58,8 +65,9 @@ pub fn start(model: &Model, readings: &[Option<f64>; MAX_SENSORS], needed: usize
         view: [0.0; 3],
         lean: [0.0; 2],
     };
-    let level = unit([0.3 * up[0], 0.3 * up[1], 1.0]).unwrap_or(up);
-    [up, level, [0.0, 0.0, 1.0]]
+    let aside: Vector = std::array::from_fn(|i| up[i] - tilt.abs() * before[i]);
+    let nearer = unit(add_scaled(before, 0.3, aside)).unwrap_or(up);
+    [up, nearer, before]
         .into_iter()
         .map(|up| descend(model, readings, Start { axes: axes(up), scene, misfit_k2: f64::INFINITY }, depth))
         .filter(|s| s.misfit_k2.is_finite())

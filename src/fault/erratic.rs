@@ -1,0 +1,135 @@
+//! A sensor that says anything: readings that jump as no scene does.
+
+use crate::frame::{Frame, Missing};
+use crate::head::Head;
+use crate::time::Time;
+
+/// No honest reading jumps by more than this, K, and in a second by so much more: a warm ground and a cold sky, 100 K apart,
+/// go past a narrow field of view in a few hundredths of a second at the quickest roll.
+const JUMP_K: f64 = 10.0;
+const SLEW_K_S: f64 = 800.0;
+/// Jumps are counted over this time, s. After more than so many the sensor says anything, until so few are left.
+const OVER_S: f64 = 1.0;
+const ERRATIC: f64 = 2.0;
+const CALM: f64 = 1.0;
+
+/// One sensor.
+#[derive(Clone, Copy, Debug, Default)]
+struct Watch {
+    /// When it was read last, and the last reading that was no jump: when, K.
+    read: Option<Time>,
+    last: Option<(Time, f64)>,
+    jumps: f64,
+    erratic: bool,
+}
+
+impl Watch {
+    /// Takes in a reading, K; whether it is to be believed.
+    fn believes(&mut self, time: Time, reading_k: f64) -> bool {
+        if self.read == Some(time) {
+            // Told again.
+            return !self.erratic && self.last.is_some_and(|(last, _)| last == time);
+        }
+        let since_s = self.read.replace(time).map_or(f64::INFINITY, |read| time.since(read));
+        self.jumps *= (-since_s.max(0.0) / OVER_S).exp();
+        let jumps = self
+            .last
+            .is_some_and(|(last, last_k)| (reading_k - last_k).abs() > JUMP_K + SLEW_K_S * time.since(last).max(0.0));
+        self.jumps += f64::from(jumps);
+        self.erratic = self.jumps > if self.erratic { CALM } else { ERRATIC };
+        if !jumps {
+            self.last = Some((time, reading_k));
+        }
+        !(jumps || self.erratic)
+    }
+}
+
+/// Takes out what sensors cannot have seen.
+#[derive(Clone, Debug)]
+pub struct ErraticSensors {
+    head: Head,
+    watches: Vec<Watch>,
+}
+
+impl ErraticSensors {
+    /// For the sensors of `head`.
+    pub fn new(head: &Head) -> Self {
+        Self { watches: vec![Watch::default(); head.sensors.len()], head: head.clone() }
+    }
+
+    /// Makes [`Missing::Impossible`] of each reading that jumps by more than 10 K and 800 K a second, and, after more than two
+    /// of these in a second, of all that the sensor says until it has been calm for one to some seconds.
+    pub fn take_out(&mut self, frame: &mut Frame) {
+        for (i, watch) in self.watches.iter_mut().enumerate() {
+            if let Some((reading_k, time)) = self.head.reading_k(i, frame)
+                && !watch.believes(time, reading_k)
+            {
+                frame.readings[i] = Err(Missing::Impossible);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Which readings of one sensor, K, 50 a second, are believed.
+    fn believed(readings_k: &[f64]) -> Vec<bool> {
+        let mut watch = Watch::default();
+        let at = |i: usize| Time::from_secs_f64(10.0 + 0.02 * i as f64);
+        readings_k.iter().enumerate().map(|(i, k)| watch.believes(at(i), *k)).collect()
+    }
+
+    #[test]
+    fn what_a_scene_does_is_believed() {
+        // A roll of 400° a second between a ground of 40 °C and a sky of −40 °C.
+        let rolls: Vec<f64> = (0..500).map(|i| 40.0 * (f64::from(i) * 8.0_f64.to_radians()).sin()).collect();
+        assert!(believed(&rolls).iter().all(|b| *b));
+    }
+
+    #[test]
+    fn one_reading_that_jumps_costs_itself_alone() {
+        let mut readings = [5.0; 100];
+        readings[50] = 300.0;
+        readings[60] = -40.0;
+        let wrong: Vec<usize> = (0..100).filter(|i| !believed(&readings)[*i]).collect();
+        assert_eq!(wrong, [50, 60]);
+    }
+
+    #[test]
+    fn a_sensor_that_says_anything_is_not_heard_until_it_is_calm() {
+        let mut bits = 7_u32;
+        let mut chance = || {
+            bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(bits >> 8) / f64::from(1 << 24)
+        };
+        let mut readings = vec![5.0; 50];
+        readings.extend((0..500).map(|_| -70.0 + 450.0 * chance()));
+        readings.extend([5.0; 500]);
+        let believed = believed(&readings);
+        assert!(believed[..50].iter().all(|b| *b));
+        assert!(believed[50..60].iter().filter(|b| **b).count() <= 2, "{believed:?}");
+        assert!(believed[60..550].iter().all(|b| !b));
+        let back = believed[550..].iter().position(|b| *b).unwrap();
+        assert!((50..250).contains(&back), "{back}");
+        assert!(believed[550 + back..].iter().all(|b| *b));
+    }
+
+    #[test]
+    fn what_has_changed_for_good_is_believed_again() {
+        let mut readings = vec![5.0; 50];
+        readings.extend([150.0; 250]);
+        let believed = believed(&readings);
+        assert!(!believed[50] && believed[170..].iter().all(|b| *b));
+    }
+
+    #[test]
+    fn a_reading_told_again_is_judged_as_before() {
+        let mut watch = Watch::default();
+        let at = Time::from_secs_f64;
+        assert!(watch.believes(at(1.0), 5.0) && watch.believes(at(1.0), 5.0));
+        assert!(!watch.believes(at(1.02), 300.0) && !watch.believes(at(1.02), 300.0));
+        assert!(watch.believes(at(1.04), 5.0));
+    }
+}
