@@ -1,5 +1,6 @@
 //! Which readings are heard: new ones, of sensors that nothing speaks against.
 
+use super::correct::Misfit;
 use super::moved::Moved;
 use super::predict::{Pace, scene};
 use super::state::{LAG, MAX_SENSORS};
@@ -47,12 +48,17 @@ impl FieldEstimator {
         (readings, newest)
     }
 
-    /// The readings of this frame, and the last ones of sensors that take turns with these.
+    /// The readings of this frame, and the last ones of sensors that take turns with these, but of none that is left out.
     pub(super) fn lately(&self, readings: &[Option<f64>; MAX_SENSORS], now: Time) -> [Option<f64>; MAX_SENSORS] {
         std::array::from_fn(|i| {
             let lately = self.stamps[i].is_some_and(|at| (0.0..TURNS_S).contains(&now.since(at)));
-            readings[i].or(self.latest[i].filter(|_| lately))
+            readings[i].or(self.latest[i].filter(|_| lately)).filter(|_| self.is_believed(i))
         })
+    }
+
+    /// Whether sensor `i` is not left out.
+    fn is_believed(&self, i: usize) -> bool {
+        self.witnesses.standing(i) != Standing::LeftOut
     }
 
     /// Whether the witnesses are about to decide on a sensor; they are given a while.
@@ -87,6 +93,11 @@ impl FieldEstimator {
             if let Some(i) = (0..self.model.sensors()).find(newly) {
                 self.scene.blame(i);
                 self.moved = Moved::default();
+            }
+            let left_out = |i: usize| before[i] != Standing::LeftOut && !self.is_believed(i);
+            if (0..self.model.sensors()).any(left_out) {
+                // What it has said against the attitude is void.
+                (self.misfit, self.lost_s) = (Misfit::default(), 0.0);
             }
         }
         for (i, reading) in readings.iter_mut().enumerate() {

@@ -87,6 +87,8 @@ const CARRIED_S: (f64, f64) = (0.1, 1.0);
 /// So long what is seen must be against all that is known for it to begin anew, s: in that time a sensor that films over
 /// is found out.
 const LOST_S: f64 = 0.5;
+/// What the scene might hide before that fades in this time, s.
+const HIDDEN_S: f64 = 10.0;
 /// After so long without a contrast to see by the filter begins anew when it is back, s.
 const BLIND_S: f64 = 0.3;
 
@@ -154,6 +156,8 @@ pub struct FieldEstimator {
     turned: f64,
     /// How far the sky's shape has moved.
     moved: Moved,
+    /// The tilt that the scene might hide before it began anew, rad.
+    hidden_before: f64,
 }
 
 impl FieldEstimator {
@@ -203,6 +207,7 @@ impl FieldEstimator {
             glitch_s: 0.0,
             turned: 0.0,
             moved: Moved::default(),
+            hidden_before: 0.0,
         }
     }
 
@@ -242,7 +247,8 @@ impl FieldEstimator {
         // Angles are shown larger by the least doubt, that of the model: more of it, and what the aircraft does, may as
         // well be on the other side.
         let (guarded, sigma) = (doubted(at_rest, least_k), doubted(own, most_k));
-        let sigma = [unheard, leaning, late, self.walled(attitude)]
+        let before = Attitude { roll: self.hidden_before, pitch: self.hidden_before };
+        let sigma = [unheard, leaning, late, self.walled(attitude), before]
             .iter()
             .fold(sigma, |all, one| Attitude { roll: all.roll.hypot(one.roll), pitch: all.pitch.hypot(one.pitch) });
         attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);
@@ -329,6 +335,11 @@ impl Estimator for FieldEstimator {
         let lost = self.lost_s > LOST_S;
         if lost {
             self.gyro.distrust();
+        }
+        self.hidden_before *= (-dt_s.max(0.0) / HIDDEN_S).exp();
+        if lost {
+            // A wall is still there.
+            self.hidden_before = self.hidden_before.max(self.may_hide());
         }
         if lost || contradicted || !(0.0..GAP_S).contains(&dt_s) {
             let begun = self.begin(&self.lately(&readings, now), now);

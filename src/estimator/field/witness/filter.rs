@@ -63,7 +63,7 @@ pub struct Testimony {
 /// A reading farther from its prediction than this many standard deviations is no less likely, and weighs less.
 const FARTHEST: f64 = 4.0;
 /// What a reading that is not heard costs: as much as one of two standard deviations.
-const UNHEARD: f64 = 4.0;
+pub const UNHEARD: f64 = 4.0;
 
 impl Witness {
     /// Begins with an attitude, the sky, and their doubts: rad, K.

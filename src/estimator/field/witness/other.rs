@@ -1,6 +1,6 @@
 //! What there is to blame beside a sensor.
 
-use super::filter::{Step, Witness};
+use super::filter::{Step, UNHEARD, Witness};
 use super::{BOUNDS, MAX_SENSORS, Model, Tuning};
 use crate::estimator::vector::dot;
 
@@ -8,6 +8,8 @@ use crate::estimator::vector::dot;
 const QUICK: f64 = 0.7;
 /// Body rates of aerobatics, rad/s rms.
 const AEROBATIC: f64 = 1.5;
+/// Not to hear a gyro costs as much as not to hear so many sensors.
+const GYRO_UNHEARD: f64 = 1.0;
 /// The cosine between two sensors that look apart.
 const OPPOSED: f64 = -0.95;
 
@@ -21,7 +23,7 @@ pub enum Blames {
     /// The pilot, where there is no gyro: the body turns as it has not turned before.
     Pilot,
     /// Two sides at once: a valley. Two opposed sensors are not heard.
-    Scene,
+    Scene(usize, usize),
 }
 
 /// A witness by whom no sensor is to blame, and how much less that surprises.
@@ -38,7 +40,7 @@ impl Other {
     pub fn all(model: &Model, witness: &Witness, gyro: bool) -> impl Iterator<Item = Self> {
         let turning = if gyro { Blames::Gyro } else { Blames::Pilot };
         let plain = [turning, Blames::Weather].map(|blames| (blames, witness.clone()));
-        let scenes = opposed(model).map(|(i, j)| (Blames::Scene, witness.deaf_to(i).deaf_to(j)));
+        let scenes = opposed(model).map(|(i, j)| (Blames::Scene(i, j), witness.deaf_to(i).deaf_to(j)));
         plain.into_iter().chain(scenes).map(|(blames, witness)| Self { blames, witness, surprise: BOUNDS.0 })
     }
 
@@ -56,9 +58,16 @@ impl Other {
             Blames::Gyro => Step { gyro: None, rate: (t.rate_sigma, t.rate_time_s), ..*step },
             Blames::Weather => Step { walk_k: [QUICK * contrast; 2], ..*step },
             Blames::Pilot => Step { rate: ([AEROBATIC; 3], t.rate_time_s), ..*step },
-            Blames::Scene => *step,
+            Blames::Scene(..) => *step,
         };
-        self.surprise += self.witness.hear(model, &step, readings).likelihood - likelihood;
+        let unheard = if self.blames == Blames::Gyro { GYRO_UNHEARD * UNHEARD } else { 0.0 };
+        self.surprise += self.witness.hear(model, &step, readings).likelihood - 0.5 * unheard - likelihood;
+        // Of two sides of which one is not seen anyhow the other is to blame, by itself.
+        if let Blames::Scene(i, j) = self.blames
+            && (readings[i].is_none() || readings[j].is_none())
+        {
+            self.surprise = BOUNDS.0;
+        }
     }
 }
 
