@@ -138,8 +138,9 @@ struct Said {
     names: Vec<(String, f64)>,
 }
 
-fn listen(source: SimulatedSource, fault: &str, seconds: f64) -> [Said; 2] {
-    let source = source.with_faults(vec![fault.parse().unwrap_or_else(|e| panic!("{fault}: {e}"))]);
+fn listen(source: SimulatedSource, faults: &str, seconds: f64) -> [Said; 2] {
+    let parsed = faults.split(' ').map(|f| f.parse().unwrap_or_else(|e| panic!("{f}: {e}")));
+    let source = source.with_faults(parsed.collect());
     let mut both: [Said; 2] = Default::default();
     fly(source, seconds, |aided, now| {
         let said = &mut both[aided];
@@ -183,5 +184,19 @@ fn hail_under_an_aircraft_that_turns_over_is_no_horizon() {
             assert!(said.names.iter().any(|(name, _)| name == "inverted-contrast"), "{flight}");
             assert!(said.wrong_s < 0.5, "{flight}: {} s", said.wrong_s);
         }
+    }
+}
+
+/// With a gyro: without, four sensors do not tell.
+#[test]
+fn two_bad_sensors_that_look_apart_mislead_nobody_beside_a_gyro() {
+    for seed in 0..12 {
+        let (one, other) =
+            [("nose", "tail"), ("tail", "nose"), ("left", "right"), ("right", "left")][seed as usize % 4];
+        let faults = format!("stuck:{one}@20.. wet=92:{other}@28..");
+        let [_, said] = listen(under(seed).lasting(70.0).source(7000 + seed), &faults, 70.0);
+        let flight = format!("seed {seed}, {faults}: {:?}", said.names);
+        println!("{flight}: {:.1} s given", said.given_s);
+        assert!(said.wrong_s == 0.0 && said.given_s > 20.0, "{flight}: {}, {} s", said.wrong_s, said.given_s);
     }
 }

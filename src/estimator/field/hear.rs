@@ -79,6 +79,7 @@ impl FieldEstimator {
             sky: scene(s),
             pace,
             gyro: self.turning(),
+            proven: self.turns.proven(),
             usual_k: self.scene.usual_k(),
             noise_k: self.noise.variance().sqrt(),
             ambient_c: self.ambient_c,

@@ -31,8 +31,10 @@ const MOST: f64 = 0.07;
 /// So many stretches are remembered.
 const REMEMBERED: f64 = 20.0;
 /// A gyro is wrong that leaves this share of the squares of what is seen to turn, and so many times those of what may be off,
-/// and in all so much, rad²; it is right that leaves the second share.
+/// and in all so much, rad²; it is right that leaves the second share, and proven by less than
+/// the third.
 const LEFT: (f64, f64) = (0.7, 0.2);
+const PROVEN: f64 = 0.05;
 const CLEAR: f64 = 1.2;
 const ENOUGH: f64 = 0.018;
 /// Such a share of what is left in a stretch is taken for the gyro's bias, and more at first.
@@ -50,6 +52,7 @@ pub struct Turns {
     /// The sums of squares of what is seen to turn, what the gyro leaves of it, and what may be off, rad².
     told: [f64; 3],
     contradict: bool,
+    proven: bool,
 }
 
 /// Where the sky is seen by a frame alone.
@@ -136,15 +139,21 @@ impl Turns {
         }
         let [seen, left, off] = self.told;
         if left > ENOUGH && left > LEFT.0 * seen && left > CLEAR * off {
-            self.contradict = true;
+            (self.contradict, self.proven) = (true, false);
         } else if seen > ENOUGH && left < LEFT.1 * seen {
             self.contradict = false;
+            self.proven |= left < PROVEN * seen;
         }
     }
 
     /// Whether the gyro turns otherwise than is seen.
     pub fn contradict(&self) -> bool {
         self.contradict
+    }
+
+    /// Whether it has been seen to turn rightly, and not otherwise since.
+    pub fn proven(&self) -> bool {
+        self.proven
     }
 }
 

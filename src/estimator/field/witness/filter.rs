@@ -24,6 +24,8 @@ pub struct Step {
     pub dt_s: f64,
     /// Mean body rates of a gyro over it, rad/s on nose, left, up.
     pub gyro: Option<Vector>,
+    /// Whether that has been seen to turn rightly.
+    pub proven: bool,
     /// Without a gyro: rms of the body rates, rad/s, and how long they last, s.
     pub rate: ([f64; 3], f64),
     /// Walks of ground and contrast, K for a second.

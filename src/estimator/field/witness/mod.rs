@@ -62,6 +62,8 @@ pub struct Known<'a> {
     pub pace: &'a Pace,
     /// The gyro's rates less their bias, rad/s.
     pub gyro: Option<Vector>,
+    /// Whether that has been seen to turn rightly.
+    pub proven: bool,
     /// How strong scenes usually are, K.
     pub usual_k: f64,
     /// Noise of a reading, K.
@@ -229,6 +231,7 @@ impl Witnesses {
         let step = Step {
             dt_s: window.dt_s,
             gyro,
+            proven: known.proven,
             rate: (rate, t.rate_time_s),
             walk_k: [WALK.0, contrast * WALK.1.max(known.pace.contrast * t.contrast.0)],
             own: (own_k, keep),

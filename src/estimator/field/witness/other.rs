@@ -8,8 +8,8 @@ use crate::estimator::vector::dot;
 const QUICK: f64 = 0.7;
 /// Body rates of aerobatics, rad/s rms.
 const AEROBATIC: f64 = 1.5;
-/// Not to hear a gyro costs as much as not to hear so many sensors.
-const GYRO_UNHEARD: f64 = 1.0;
+/// Not to hear a gyro costs as much as not to hear so many sensors; and one that has been seen to turn rightly.
+const GYRO_UNHEARD: (f64, f64) = (0.5, 2.0);
 /// The cosine between two sensors that look apart.
 const OPPOSED: f64 = -0.95;
 
@@ -60,7 +60,8 @@ impl Other {
             Blames::Pilot => Step { rate: ([AEROBATIC; 3], t.rate_time_s), ..*step },
             Blames::Scene(..) => *step,
         };
-        let unheard = if self.blames == Blames::Gyro { GYRO_UNHEARD * UNHEARD } else { 0.0 };
+        let cost = if step.proven { GYRO_UNHEARD.1 } else { GYRO_UNHEARD.0 };
+        let unheard = if self.blames == Blames::Gyro { cost * UNHEARD } else { 0.0 };
         self.surprise += self.witness.hear(model, &step, readings).likelihood - 0.5 * unheard - likelihood;
         // Of two sides of which one is not seen anyhow the other is to blame, by itself.
         if let Blames::Scene(i, j) = self.blames
