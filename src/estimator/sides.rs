@@ -26,7 +26,8 @@ const BACK_S: f64 = 10.0;
 pub struct Sides {
     /// The last vertical that told it, and when.
     last: Option<(Vector, Time)>,
-    /// A gyro has been heard since.
+    /// A gyro is heard; has been since.
+    gyro: bool,
     carried: bool,
     /// When it was looked for last, and the contrast that there usually is, K.
     seen: Option<Time>,
@@ -56,7 +57,7 @@ impl Sides {
         self.usual_k = contrast_k.max(self.usual_k * (-since_s / USUAL_S).exp());
         let little = contrast_k < HAIL_K.min(LITTLE * self.usual_k);
         if contrast_k > TELLING_K && (neither || !little) {
-            (self.last, self.carried) = (Some((seen.map(|c| sign * c / contrast_k), time)), true);
+            (self.last, self.carried) = (Some((seen.map(|c| sign * c / contrast_k), time)), self.gyro);
         }
         sign
     }
@@ -70,7 +71,8 @@ impl Sides {
 
     /// The body turns by `turn`, rad about (nose, left, up), as a gyro tells, or nobody tells.
     pub fn carry(&mut self, turn: Option<Vector>) {
-        self.carried &= turn.is_some();
+        self.gyro = turn.is_some();
+        self.carried &= self.gyro;
         if let (Some((up, _)), Some(turn)) = (&mut self.last, turn) {
             *up = product(&rotation(turn.map(|c| -c)), *up);
         }
@@ -99,6 +101,23 @@ mod tests {
         assert!(signs[..40].iter().all(|s| *s == 1.0) && signs[41..].iter().all(|s| *s == -1.0), "{signs:?}");
         // And back.
         assert_eq!(sides.sign(flown(3.0, 0.0), at(261)), 1.0);
+    }
+
+    #[test]
+    fn a_gyro_carries_it_through_what_tells_nothing() {
+        let at = Time::from_secs_f64;
+        for (gyro, up) in [(true, Direction::DOWN), (false, Direction::UP)] {
+            let mut sides = Sides::default();
+            sides.carry(gyro.then_some([0.0; 3]));
+            assert_eq!(sides.sign(flown(20.0, 0.0), at(10.0)), 1.0);
+            // Half a roll in fog.
+            for i in 1..=100 {
+                sides.carry(gyro.then_some([std::f64::consts::PI / 100.0, 0.0, 0.0]));
+                assert_eq!(sides.sign([0.0; 3], at(10.0 + 0.1 * f64::from(i))), 1.0);
+            }
+            let seen = sides.up(at(20.0));
+            assert!(dot(seen, up.components()) > 0.99, "{gyro}: {seen:?}");
+        }
     }
 
     #[test]

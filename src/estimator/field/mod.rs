@@ -247,8 +247,7 @@ impl FieldEstimator {
         // Angles are shown larger by the least doubt, that of the model: more of it, and what the aircraft does, may as
         // well be on the other side.
         let (guarded, sigma) = (doubted(at_rest, least_k), doubted(own, most_k));
-        let before = Attitude { roll: self.hidden_before, pitch: self.hidden_before };
-        let sigma = [unheard, leaning, late, self.walled(attitude), before]
+        let sigma = [unheard, leaning, late, self.walled(attitude)]
             .iter()
             .fold(sigma, |all, one| Attitude { roll: all.roll.hypot(one.roll), pitch: all.pitch.hypot(one.pitch) });
         attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);
@@ -336,11 +335,9 @@ impl Estimator for FieldEstimator {
         if lost {
             self.gyro.distrust();
         }
-        self.hidden_before *= (-dt_s.max(0.0) / HIDDEN_S).exp();
-        if lost {
-            // A wall is still there.
-            self.hidden_before = self.hidden_before.max(self.may_hide());
-        }
+        // A wall is still there when it begins anew.
+        let hides = if lost { self.may_hide() } else { 0.0 };
+        self.hidden_before = hides.max(self.hidden_before * (-dt_s.max(0.0) / HIDDEN_S).exp());
         if lost || contradicted || !(0.0..GAP_S).contains(&dt_s) {
             let begun = self.begin(&self.lately(&readings, now), now);
             if begun {

@@ -46,9 +46,10 @@ impl Moved {
 }
 
 impl FieldEstimator {
-    /// How far `attitude` may be off by a wall that looks like another shape of the sky.
+    /// How far `attitude` may be off by a wall that looks like another shape of the sky, or was there before it
+    /// began anew.
     pub(super) fn walled(&self, attitude: Attitude) -> Attitude {
-        let sigma = self.moved.sigma();
+        let sigma = self.moved.sigma().hypot(self.hidden_before);
         Attitude { roll: sigma / attitude.pitch.cos().max(0.2), pitch: sigma }
     }
 }

@@ -31,10 +31,8 @@ const MOST: f64 = 0.07;
 /// So many stretches are remembered.
 const REMEMBERED: f64 = 20.0;
 /// A gyro is wrong that leaves this share of the squares of what is seen to turn, and so many times those of what may be off,
-/// and in all so much, rad²; it is right that leaves the second share, and proven by less than
-/// the third.
-const LEFT: (f64, f64) = (0.7, 0.2);
-const PROVEN: f64 = 0.05;
+/// and in all so much, rad²; it is right that leaves the second share, and proven by the third.
+const LEFT: (f64, f64, f64) = (0.7, 0.2, 0.05);
 const CLEAR: f64 = 1.2;
 const ENOUGH: f64 = 0.018;
 /// Such a share of what is left in a stretch is taken for the gyro's bias, and more at first.
@@ -142,7 +140,7 @@ impl Turns {
             (self.contradict, self.proven) = (true, false);
         } else if seen > ENOUGH && left < LEFT.1 * seen {
             self.contradict = false;
-            self.proven |= left < PROVEN * seen;
+            self.proven |= left < LEFT.2 * seen;
         }
     }
 

@@ -60,8 +60,11 @@ impl Other {
             Blames::Pilot => Step { rate: ([AEROBATIC; 3], t.rate_time_s), ..*step },
             Blames::Scene(..) => *step,
         };
-        let cost = if step.proven { GYRO_UNHEARD.1 } else { GYRO_UNHEARD.0 };
-        let unheard = if self.blames == Blames::Gyro { cost * UNHEARD } else { 0.0 };
+        let unheard = match self.blames {
+            Blames::Gyro if step.proven => GYRO_UNHEARD.1 * UNHEARD,
+            Blames::Gyro => GYRO_UNHEARD.0 * UNHEARD,
+            _ => 0.0,
+        };
         self.surprise += self.witness.hear(model, &step, readings).likelihood - 0.5 * unheard - likelihood;
         // Of two sides of which one is not seen anyhow the other is to blame, by itself.
         if let Blames::Scene(i, j) = self.blames
