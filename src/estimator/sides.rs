@@ -15,11 +15,13 @@ const LITTLE: f64 = 0.4;
 const USUAL_S: f64 = 30.0;
 /// The contrast below which a vertical is too noisy to tell which side is up, K.
 pub const TELLING_K: f64 = 10.0 * PAIR_NOISE_K;
-/// Past this `u_up`, a sky warmer than the ground seen from an aircraft on its back is believed to be neither: where it is
-/// warmer by more than any hail makes it, K, or after more seconds than anybody flies so over hail.
+/// Past this `u_up`, a sky warmer than the ground seen from an aircraft on its back is believed to be neither, if it is warmer
+/// than any hail makes it, or has been so for longer than anybody flies on the back over hail.
 const ON_ITS_BACK: f64 = -0.5;
-const HAIL_K: f64 = 10.0;
-const BACK_S: f64 = 10.0;
+/// No hail makes the sky warmer than the ground by more than this, K.
+pub const HAIL_K: f64 = 10.0;
+/// Nobody flies on the back over hail for longer than this, s.
+pub const BACK_S: f64 = 10.0;
 
 /// The side up, from frame to frame.
 #[derive(Clone, Copy, Debug, Default)]

@@ -30,11 +30,14 @@ impl Watch {
             // Told again.
             return !self.erratic && self.last.is_some_and(|(last, _)| last == time);
         }
+        if self.read.is_some_and(|read| time < read) {
+            // A clock that has been set back begins anew.
+            *self = Self::default();
+        }
         let since_s = self.read.replace(time).map_or(f64::INFINITY, |read| time.since(read));
-        self.jumps *= (-since_s.max(0.0) / OVER_S).exp();
-        let jumps = self
-            .last
-            .is_some_and(|(last, last_k)| (reading_k - last_k).abs() > JUMP_K + SLEW_K_S * time.since(last).max(0.0));
+        self.jumps *= (-since_s / OVER_S).exp();
+        let jumps =
+            self.last.is_some_and(|(last, last_k)| (reading_k - last_k).abs() > JUMP_K + SLEW_K_S * time.since(last));
         self.jumps += f64::from(jumps);
         self.erratic = self.jumps > if self.erratic { CALM } else { ERRATIC };
         if !jumps {
@@ -131,5 +134,13 @@ mod tests {
         assert!(watch.believes(at(1.0), 5.0) && watch.believes(at(1.0), 5.0));
         assert!(!watch.believes(at(1.02), 300.0) && !watch.believes(at(1.02), 300.0));
         assert!(watch.believes(at(1.04), 5.0));
+    }
+
+    #[test]
+    fn a_clock_that_has_been_set_back_begins_anew() {
+        let mut watch = Watch::default();
+        let at = Time::from_secs_f64;
+        assert!(watch.believes(at(5000.0), 5.0) && watch.believes(at(10.0), 60.0));
+        assert!(watch.believes(at(10.02), 60.0) && !watch.believes(at(10.04), 5.0));
     }
 }

@@ -3,12 +3,12 @@
 use super::debounce::{Debounce, State};
 use super::{ActiveFault, Evidence, FaultKind};
 use crate::estimator::Solution;
+use crate::estimator::sides::{BACK_S, HAIL_K};
 use crate::time::Time;
 
-/// Seconds for which ground and sky must be exchanged, and must be upright again: by more than any hail makes the sky warmer,
-/// K, or by less, as they look to an aircraft on its back over hail.
-const LASTS_S: (f64, f64, f64) = (0.1, 1.0, 10.0);
-const HAIL_K: f64 = 10.0;
+/// Seconds for which ground and sky must be exchanged, and must be upright again by more than any hail makes the sky warmer; by
+/// less, as they look to an aircraft on its back over hail, for [`BACK_S`].
+const LASTS_S: (f64, f64) = (0.1, 1.0);
 /// They are exchanged beyond this share of the least contrast: with less the contrast is low.
 const REVERSED: f64 = 0.5;
 
@@ -20,12 +20,14 @@ pub struct Inverted {
     limit_k: f64,
     inverted: Debounce,
     vertical_k: f64,
+    upright_since: Option<Time>,
 }
 
 impl Inverted {
     /// With the contrast below which there is no attitude, K.
     pub fn new(low_k: f64) -> Self {
-        Self { limit_k: -REVERSED * low_k, inverted: Debounce::new(LASTS_S.0, LASTS_S.1), vertical_k: 0.0 }
+        let inverted = Debounce::new(LASTS_S.0, LASTS_S.1);
+        Self { limit_k: -REVERSED * low_k, inverted, vertical_k: 0.0, upright_since: None }
     }
 
     /// Another contrast below which there is no attitude, K.
@@ -39,8 +41,13 @@ impl Inverted {
         // What a method goes by may still be upside down.
         let z = solution.contrast_k.map_or(z, |contrast| contrast.min(z));
         self.vertical_k = z;
-        self.inverted.retune(LASTS_S.0, if z > HAIL_K { LASTS_S.1 } else { LASTS_S.2 });
-        let limit_k = if self.inverted.is_active() { 0.0 } else { self.limit_k };
+        self.upright_since = (z >= 0.0).then(|| self.upright_since.unwrap_or(now));
+        let for_long = self.upright_since.is_some_and(|since| now.since(since) > BACK_S - LASTS_S.1);
+        let limit_k = match (self.inverted.is_active(), for_long) {
+            (false, _) => self.limit_k,
+            (true, false) => HAIL_K,
+            (true, true) => 0.0,
+        };
         self.inverted.update(z < limit_k, now)
     }
 

@@ -90,15 +90,14 @@ impl FieldEstimator {
         } else if self.model.is_absolute() {
             let before: [Standing; MAX_SENSORS] = std::array::from_fn(|i| self.witnesses.standing(i));
             self.witnesses.update(&self.model, &self.tuning, &known, readings, dt_s);
-            let newly = |i: &usize| before[*i] != Standing::LeftOut && self.witnesses.blames_only(*i);
+            let newly = |i: &usize| before[*i] != Standing::LeftOut && !self.is_believed(*i);
             if let Some(i) = (0..self.model.sensors()).find(newly) {
-                self.scene.blame(i);
-                self.moved = Moved::default();
-            }
-            let left_out = |i: usize| before[i] != Standing::LeftOut && !self.is_believed(i);
-            if (0..self.model.sensors()).any(left_out) {
                 // What it has said against the attitude is void.
                 (self.misfit, self.lost_s) = (Misfit::default(), 0.0);
+                if self.witnesses.blames_only(i) {
+                    self.scene.blame(i);
+                    self.moved = Moved::default();
+                }
             }
         }
         for (i, reading) in readings.iter_mut().enumerate() {

@@ -64,8 +64,8 @@ pub struct Testimony {
 
 /// A reading farther from its prediction than this many standard deviations is no less likely, and weighs less.
 const FARTHEST: f64 = 4.0;
-/// What a reading that is not heard costs: as much as one of two standard deviations.
-pub const UNHEARD: f64 = 4.0;
+/// What a reading that is not heard costs of the likelihood's logarithm: as much as one of two standard deviations.
+pub const UNHEARD: f64 = 2.0;
 
 impl Witness {
     /// Begins with an attitude, the sky, and their doubts: rad, K.
@@ -151,7 +151,7 @@ impl Witness {
             let Some(reading) = readings[i] else { continue };
             testimony.likelihood -= 0.5 * variance.ln();
             if self.deaf[i] {
-                testimony.likelihood -= 0.5 * UNHEARD;
+                testimony.likelihood -= UNHEARD;
                 continue;
             }
             let innovation = reading - expected;

@@ -60,18 +60,14 @@ impl Other {
             Blames::Pilot => Step { rate: ([AEROBATIC; 3], t.rate_time_s), ..*step },
             Blames::Scene(..) => *step,
         };
-        let unheard = match self.blames {
-            Blames::Gyro if step.proven => GYRO_UNHEARD.1 * UNHEARD,
-            Blames::Gyro => GYRO_UNHEARD.0 * UNHEARD,
-            _ => 0.0,
+        let said = self.witness.hear(model, &step, readings).likelihood - likelihood;
+        self.surprise += match self.blames {
+            Blames::Gyro if step.proven => said - GYRO_UNHEARD.1 * UNHEARD,
+            Blames::Gyro => said - GYRO_UNHEARD.0 * UNHEARD,
+            // Where one of two sides is not seen it is the other that is to blame, by itself.
+            Blames::Scene(i, j) if readings[i].is_none() || readings[j].is_none() => 0.0,
+            _ => said,
         };
-        self.surprise += self.witness.hear(model, &step, readings).likelihood - 0.5 * unheard - likelihood;
-        // Of two sides of which one is not seen anyhow the other is to blame, by itself.
-        if let Blames::Scene(i, j) = self.blames
-            && (readings[i].is_none() || readings[j].is_none())
-        {
-            self.surprise = BOUNDS.0;
-        }
     }
 }
 
