@@ -93,7 +93,7 @@ fn a_sensor_that_sticks_is_no_warm_side() {
         let source = under(seed).lasting(30.0).source(1000 + seed).with_faults(vec![fault.parse().unwrap()]);
         let mut worst = 0.0_f64;
         fly(source, 30.0, |aided, now| {
-            if let Some(error) = now.error.filter(|_| aided == 1 && now.time_s > 10.0) {
+            if let Some(error) = now.error().filter(|_| aided == 1 && now.time_s > 10.0) {
                 worst = worst.max(error.larger_deg);
             }
         });
@@ -149,7 +149,7 @@ fn listen(source: SimulatedSource, faults: &str, seconds: f64) -> [Said; 2] {
                 said.names.push((name, now.time_s));
             }
         }
-        if let Some(error) = now.error.filter(|_| now.time_s > 5.0) {
+        if let Some(error) = now.error().filter(|_| now.time_s > 5.0) {
             said.given_s += 0.02;
             said.wrong_s += if error.larger_deg > 10.0 && !error.covered { 0.02 } else { 0.0 };
         }

@@ -1,16 +1,18 @@
 //! What is said of a flight.
 
 use super::drawn::Drawn;
-use irhorizon::attitude::{Attitude, Estimate};
-use irhorizon::config::Settings;
-use irhorizon::frame::{Aiding, Frame};
-use irhorizon::head::Head;
-use irhorizon::horizon::Horizon;
-use irhorizon::source::FrameSource;
-use irhorizon::time::Time;
+use super::heard::{Way, fly as fly_heard};
+use irhorizon::attitude::Attitude;
+use irhorizon::frame::Aiding;
 
 /// How the instruments are heard.
 pub const HEARD: [&str; 4] = ["nothing", "gyro", "GPS and airspeed", "all"];
+const WAYS: [Way; 4] = [
+    |_| Aiding::default(),
+    |all| Aiding { gyro_deg_s: all.gyro_deg_s, ..Aiding::default() },
+    |all| Aiding { gyro_deg_s: [None; 3], ..all },
+    |all| all,
+];
 /// How long each flight is, and how much of that is not looked at: a method may begin as it likes. s.
 pub const SECONDS: f64 = 120.0;
 const BEGINS_S: f64 = 5.0;
@@ -32,54 +34,39 @@ pub struct Flown {
     pub told: Vec<String>,
 }
 
-/// What is heard in the way number `how`.
-fn heard(all: Aiding, how: usize) -> Aiding {
-    let gyro = Aiding { gyro_deg_s: all.gyro_deg_s, ..Aiding::default() };
-    match how {
-        0 => Aiding::default(),
-        1 => gyro,
-        2 => Aiding { gyro_deg_s: [None; 3], ..all },
-        _ => all,
-    }
+/// A wrong horizon: when last; how far off at worst, °, where, and what was said then.
+struct Wrong {
+    last_s: f64,
+    worst_deg: f64,
+    then: String,
 }
 
-/// Flies it through [`Horizon`].
-pub fn fly(mut drawn: Drawn) -> Flown {
-    let head = Head::six();
-    let mut settings = Settings { rate_hz: drawn.rate_hz, ..Settings::default() };
-    // What is learnt of the mounting would hide errors, and none is off here.
-    settings.head.learn_trim = false;
-    let mut all: [(Horizon, Estimate); 4] =
-        std::array::from_fn(|_| (Horizon::new(&settings, head.clone()), Estimate::default()));
-    let mut frame = Frame::new(head.sensors.len());
-    let mut told: [Vec<(f64, f64)>; 4] = Default::default();
-    let mut flown =
-        Flown { seed: drawn.seed, faults: drawn.faults, given_s: [0.0; 4], wrong_s: [0.0; 4], told: Vec::new() };
-    let begin = Time::from_secs_f64(100.0 + BEGINS_S);
-    for i in 0..(SECONDS * drawn.rate_hz) as u32 {
-        let time_s = f64::from(i) / drawn.rate_hz;
-        drawn.source.scan(Time::from_secs_f64(100.0 + time_s), &mut frame);
-        let aiding = frame.aiding;
-        for (how, (horizon, estimate)) in all.iter_mut().enumerate() {
-            frame.aiding = heard(aiding, how);
-            let last = estimate.valid_at;
-            horizon.update(&frame, &[], estimate);
-            // One that was left standing was judged when it was new.
-            let Some(said) = estimate.attitude.filter(|_| estimate.valid_at > last.max(begin)) else { continue };
-            flown.given_s[how] += 1.0 / drawn.rate_hz;
-            let off_deg = wrong(said, estimate.sigma, drawn.source.truth_at(estimate.valid_at));
-            let Some(off_deg) = off_deg else { continue };
-            flown.wrong_s[how] += 1.0 / drawn.rate_hz;
-            match told[how].last_mut().filter(|(last_s, _)| time_s - *last_s < SAME_S) {
-                Some((last_s, worst_deg)) => (*last_s, *worst_deg) = (time_s, worst_deg.max(off_deg)),
-                None => told[how].push((time_s, off_deg)),
-            }
+/// Flies it.
+pub fn fly(Drawn { seed, source, rate_hz, faults, text }: Drawn) -> Flown {
+    let mut told: [Vec<Wrong>; 4] = Default::default();
+    let mut flown = Flown { seed, faults, given_s: [0.0; 4], wrong_s: [0.0; 4], told: Vec::new() };
+    fly_heard(source, (SECONDS, rate_hz), WAYS, |way, now| {
+        let Some((said, truth)) = now.given.filter(|_| now.time_s > BEGINS_S) else { return };
+        flown.given_s[way] += 1.0 / rate_hz;
+        let Some(off_deg) = wrong(said, now.estimate.sigma, truth) else { return };
+        flown.wrong_s[way] += 1.0 / rate_hz;
+        let told = &mut told[way];
+        if told.last().is_none_or(|last| now.time_s - last.last_s > SAME_S) {
+            told.push(Wrong { last_s: now.time_s, worst_deg: 0.0, then: String::new() });
         }
-    }
+        let Some(wrong) = told.last_mut() else { return };
+        wrong.last_s = now.time_s;
+        if off_deg > wrong.worst_deg {
+            let [roll_deg, pitch_deg] = [now.truth.roll, now.truth.pitch].map(f64::to_degrees);
+            let names: Vec<String> = now.names().collect();
+            let (at_s, names) = (now.time_s, names.join(" "));
+            wrong.worst_deg = off_deg;
+            wrong.then =
+                format!("{off_deg:.0}° off at {at_s:.1} s, roll {roll_deg:.0}°, pitch {pitch_deg:.0}°, said [{names}]");
+        }
+    });
     for (told, heard) in told.iter().zip(HEARD) {
-        let tell = |(last_s, worst_deg): &(f64, f64)| {
-            format!("seed {}, {}, heard {heard}: {worst_deg:.0}° off until {last_s:.1} s", drawn.seed, drawn.text)
-        };
+        let tell = |w: &Wrong| format!("seed {seed}, {text}, heard {heard}: {}, until {:.1} s", w.then, w.last_s);
         flown.told.extend(told.iter().map(tell));
     }
     flown

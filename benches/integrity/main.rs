@@ -2,10 +2,12 @@
 //! anything goes wrong: `cargo bench --bench integrity`. About eight minutes on two cores.
 //!
 //! - `drawn`: a flight by chance: scene, pilot, sensors, faults;
-//! - `flown`: what is said of it, heard in four ways.
+//! - `flown`: what is said of it; `heard`: a flight heard in several ways, as tests/faults.rs has it.
 
 mod drawn;
 mod flown;
+#[path = "../../tests/events/heard.rs"]
+mod heard;
 
 use clap::Parser;
 use drawn::Drawn;

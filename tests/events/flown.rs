@@ -1,13 +1,9 @@
-//! A flight through `Horizon`, without aiding and with rates and GPS, under one of six even skies.
+//! A flight without aiding and with rates and GPS, under one of six even skies.
 
-use irhorizon::attitude::{Attitude, Estimate};
-use irhorizon::config::Settings;
-use irhorizon::frame::{Aiding, Frame};
-use irhorizon::head::Head;
-use irhorizon::horizon::Horizon;
+use super::heard::{self, Instant};
+use irhorizon::attitude::Attitude;
+use irhorizon::frame::Aiding;
 use irhorizon::simulation::{Scenario, SimulatedSource};
-use irhorizon::source::FrameSource;
-use irhorizon::time::Time;
 
 /// The skies, by the names of the scenarios.
 pub const SKIES: [&str; 6] = ["clear-dry", "clear-humid", "namibia", "durham", "overcast", "radiance"];
@@ -22,19 +18,6 @@ pub fn under(i: u64) -> Scenario {
     Scenario::named(name).unwrap_or_else(|| panic!("no scenario {name}"))
 }
 
-/// An instant of a flight.
-pub struct Instant<'a> {
-    /// Seconds flown.
-    pub time_s: f64,
-    /// What is truly flown.
-    pub truth: Attitude,
-    /// What is said.
-    pub estimate: &'a Estimate,
-    /// What is wrong with it, if something new is given.
-    pub error: Option<Error>,
-    head: &'a Head,
-}
-
 /// How far off an attitude is.
 #[derive(Clone, Copy, Debug)]
 pub struct Error {
@@ -44,41 +27,15 @@ pub struct Error {
     pub covered: bool,
 }
 
-impl Instant<'_> {
-    /// What is said to be wrong.
-    pub fn names(&self) -> impl Iterator<Item = String> {
-        self.estimate.faults.iter().map(|f| f.kind.display(self.head).to_string())
-    }
+/// Flies for `seconds` at 50 Hz; `look` is called with 0 for what is said without aiding, 1 with rates and GPS.
+pub fn fly(source: SimulatedSource, seconds: f64, look: impl FnMut(usize, &Instant)) {
+    heard::fly(source, (seconds, RATE_HZ), [|_| Aiding::default(), |all| all], look);
 }
 
-/// Flies for `seconds` at 50 Hz; `look` is called with 0 for what is said without aiding, 1 with rates and GPS.
-pub fn fly(mut source: SimulatedSource, seconds: f64, mut look: impl FnMut(usize, &Instant)) {
-    let head = Head::six();
-    let mut settings = Settings::default();
-    // What is learnt of the mounting would hide errors, and none is off here.
-    settings.head.learn_trim = false;
-    let mut both: [(Horizon, Estimate); 2] =
-        std::array::from_fn(|_| (Horizon::new(&settings, head.clone()), Estimate::default()));
-    let mut frame = Frame::new(head.sensors.len());
-    let mut heard = frame.clone();
-    let begin = Time::from_secs_f64(100.0);
-    for i in 0..(seconds * RATE_HZ) as u32 {
-        let time_s = f64::from(i) / RATE_HZ;
-        let now = Time::from_secs_f64(100.0 + time_s);
-        source.scan(now, &mut frame);
-        for (aided, (horizon, estimate)) in both.iter_mut().enumerate() {
-            heard.clone_from(&frame);
-            if aided == 0 {
-                heard.aiding = Aiding::default();
-            }
-            let last = estimate.valid_at;
-            horizon.update(&heard, &[], estimate);
-            // One that was left standing was judged when it was new.
-            let new = estimate.attitude.filter(|_| estimate.valid_at > last.max(begin));
-            let truth = source.truth_at(estimate.valid_at);
-            let error = new.map(|attitude| Error::new(attitude, estimate.sigma, truth));
-            look(aided, &Instant { time_s, truth: source.truth_at(now), estimate, error, head: &head });
-        }
+impl Instant<'_> {
+    /// What is wrong with the attitude, if a new one is given.
+    pub fn error(&self) -> Option<Error> {
+        self.given.map(|(said, truth)| Error::new(said, self.estimate.sigma, truth))
     }
 }
 

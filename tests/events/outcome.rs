@@ -1,7 +1,8 @@
 //! What became of an event in one flight.
 
 use super::event::{BEGINS_S, Due, Event, FLIGHTS};
-use super::flown::{AIDING, Instant, SKIES, fly, under};
+use super::flown::{AIDING, SKIES, fly, under};
+use super::heard::Instant;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -87,7 +88,7 @@ impl Outcome {
         let [roll_deg, pitch_deg] = [now.truth.roll, now.truth.pitch].map(f64::to_degrees);
         if !begun {
             // A method may begin as it likes.
-            if let Some(error) = now.error.filter(|_| now.time_s > 5.0) {
+            if let Some(error) = now.error().filter(|_| now.time_s > 5.0) {
                 self.before_deg = self.before_deg.max(error.larger_deg);
             }
             return;
@@ -98,7 +99,7 @@ impl Outcome {
             Due::Manoeuvre => ((roll_deg - begun_deg).abs() >= 10.0).then_some(now.time_s),
         };
         self.due_s = self.due_s.or(due_s);
-        if let Some(error) = now.error {
+        if let Some(error) = now.error() {
             self.given[0] += 1;
             self.given[1] += u32::from(error.covered);
             if error.larger_deg > self.worst[0] {
@@ -108,7 +109,7 @@ impl Outcome {
         if self.due_s.is_some_and(|due_s| now.time_s > due_s + event.within_s) {
             self.late[0] += 1;
             self.late[1] += u32::from(now.estimate.attitude.is_some());
-            self.after_deg = self.after_deg.max(now.error.map_or(0.0, |e| e.larger_deg));
+            self.after_deg = self.after_deg.max(now.error().map_or(0.0, |e| e.larger_deg));
         }
     }
 
