@@ -17,7 +17,7 @@ lint:
 	cargo fmt --check
 	cargo clippy --all-targets --quiet -- --deny warnings
 	RUSTDOCFLAGS='--deny warnings' cargo doc --no-deps --quiet
-	cargo clippy --test kernel --quiet -- --deny warnings
+	cargo clippy --test kernel --test accuracy --quiet -- --deny warnings
 
 # Longer than `make test` does: make fuzz SECONDS=3600
 fuzz:
