@@ -7,13 +7,10 @@ use super::state::{
 };
 use super::tuning::Tuning;
 use crate::estimator::flying::G_M_S2;
-use crate::estimator::vector::{Vector, add_scaled, cross, dot, length, product, rotation, unit};
+use crate::estimator::vector::{Vector, add_scaled, cross, length, product, rotation, unit};
 
 /// The steepest bank's tangent from which a turn is reckoned.
 const STEEPEST: f64 = 2.0;
-
-/// What turns no faster tells little of a lag, rad/s.
-const REST: f64 = 2_f64.to_radians();
 
 /// How much moves, as learnt from the innovations.
 #[derive(Clone, Copy, Debug)]
@@ -191,8 +188,6 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
     } else {
         state.axes.map(|a| unit(add_scaled(a, age_s, cross(rate, a))).unwrap_or(a))
     };
-    // At rest all that a sensor is behind is noise, by which a long lag is the best.
-    let moving = dot(rate, rate) / (dot(rate, rate) + REST * REST);
     let scene = scene(state);
     let mut slopes = [[(0_usize, 0.0_f64); 19]; MAX_SENSORS];
     for (i, slope) in slopes[..sensors].iter_mut().enumerate() {
@@ -202,8 +197,7 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
         let share = (s.value - s.by_ground * scene.ground_c) / SPAN_K;
         let off = state.x[error] + share * state.x[scale];
         let input = s.value + s.sky * state.x[own] + off;
-        let behind_k = moving * (state.x[SEEN + i] - input);
-        let lag = if lag_s > 1e-4 { keep * dt_s / lag_s * behind_k } else { 0.0 };
+        let lag = if lag_s > 1e-4 { keep * dt_s / lag_s * (state.x[SEEN + i] - input) } else { 0.0 };
         let ([x, y, z], [north, west]) = (s.by_turn, s.by_lean);
         *slope = [
             (TURN, x),
