@@ -1,7 +1,6 @@
 //! What the filter begins with.
 
 use super::aid::Aid;
-use super::around::Around;
 use super::correct::Misfit;
 use super::moved::Moved;
 use super::scene::SceneStrength;
@@ -100,7 +99,7 @@ impl FieldEstimator {
         }
         s.lean2 = t.lean.0.powi(2);
         (self.leant, self.told) = (false, false);
-        self.around = Around::default();
+        self.turned = 0.0;
         s.x[LAG] = 0.0;
         s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });
         self.set_askew();

@@ -1,6 +1,6 @@
 //! When the scene is found not to be alike all around.
 
-use super::state::{CONTRAST, DEPTH, LEAN, OFFSET, RATE, TURN, VIEW};
+use super::state::{CONTRAST, DEPTH, LEAN, RATE, TURN, VIEW};
 use super::{FieldEstimator, lean};
 use crate::attitude::Attitude;
 use crate::estimator::{PAIR_SLOPE, unseen_lean};
@@ -13,9 +13,6 @@ const UNLIKE: (f64, f64) = (0.1, 0.5);
 const UNEXPECTED: f64 = 3.0;
 /// Turns by so much in all, rad, show all sides.
 const LOOKED_AROUND: f64 = 3.5;
-/// What turns and climb say more than the thermopiles is no more than this, rad; more, on a straight course, may as well be a
-/// horizon that leans.
-const USUAL_OFFSET: f64 = 3_f64.to_radians();
 /// What is found after these must last so long, s: it is new, and may be what one sensor does, or a wall, until the
 /// witnesses know. What is found before was there.
 const LASTS_S: f64 = 3.0;
@@ -51,7 +48,7 @@ impl FieldEstimator {
         let sure = if self.gyro.in_use() { self.scene.surely_unlike() } else { unlike } > UNLIKE.1;
         let found = sure && (even || !self.tilted) || even && self.leans();
         self.found_s = if found { self.found_s + dt_s } else { 0.0 };
-        if self.found_s > LASTS_S * self.looked_around() {
+        if self.found_s > LASTS_S * (self.turned / LOOKED_AROUND).min(1.0) {
             self.found_s = 0.0;
             self.tilted |= sure;
             self.doubt_attitude(even);
@@ -97,32 +94,17 @@ impl FieldEstimator {
         self.state.x[LEAN..LEAN + 2].iter_mut().for_each(|lean| *lean *= keep);
     }
 
-    /// How far it has looked around, of as far as shows all sides: 0..1.
-    fn looked_around(&self) -> f64 {
-        (self.around.ever() / LOOKED_AROUND).min(1.0)
-    }
-
     /// How far the attitude may be off by a lean that is not expected, and that what tells of it has not ruled out yet; by
     /// any where nothing tells and nothing would show it; rad.
     pub(super) fn unexpected_lean(&self) -> Attitude {
-        let up = self.state.vertical();
         if !self.told && !self.model.shows_scenes() {
-            return unseen_lean(up);
+            return unseen_lean(self.state.vertical());
         }
-        let t = &self.tuning;
-        let straight = 1.0 - self.looked_around();
-        // Straight on, turns and climb tell of a lean no more than readings do.
-        let unseen = straight * t.unlike_lean * if self.leant { 1.0 } else { lean::LEANING.sqrt() };
-        let [roll, pitch] = [0, 1].map(|i| {
-            let offset = if self.told { (self.state.x[OFFSET + i].abs() - USUAL_OFFSET).max(0.0) } else { 0.0 };
-            unseen.hypot(straight * offset)
-        });
-        let least = Attitude { roll: roll / up[1].hypot(up[2]).max(0.2), pitch };
         if !self.told || self.leant {
-            return least;
+            return Attitude::default();
         }
-        let [roll, pitch] = lean::unexpected(&self.state, t.unlike_lean).map(f64::sqrt);
-        Attitude { roll: roll.max(least.roll), pitch: pitch.max(least.pitch) }
+        let [roll, pitch] = lean::unexpected(&self.state, self.tuning.unlike_lean).map(f64::sqrt);
+        Attitude { roll, pitch }
     }
 
     /// Whether the horizon leans farther than expected.
@@ -144,7 +126,6 @@ impl FieldEstimator {
     /// The attitude, for which a warm side may have been taken; where the horizon was taken for `even` so far, how it
     /// leans too.
     fn doubt_attitude(&mut self, even: bool) {
-        let straight = self.looked_around() < 1.0;
         let (s, t) = (&mut self.state, &self.tuning);
         for i in 0..3 {
             s.add_variance(TURN + i, t.unlike_turn.powi(2));
@@ -154,7 +135,7 @@ impl FieldEstimator {
             self.leant = true;
             // An aircraft that has looked all around has seen what side was warmer: what is found then is new, and
             // was never taken for an attitude.
-            if straight {
+            if self.turned < LOOKED_AROUND {
                 lean::hide(s, t.unlike_lean)
             } else {
                 lean::expect(s, t.unlike_lean)

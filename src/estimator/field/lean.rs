@@ -13,7 +13,7 @@ use crate::estimator::vector::cross;
 /// How many times more likely, as a logarithm, a large lean must be.
 const SURE: f64 = 7.0;
 /// The share of flights in which the horizon leans.
-pub const LEANING: f64 = 0.2;
+const LEANING: f64 = 0.2;
 
 /// What the leans would be had a standard deviation of `large` (rad) been expected of them; none where more was.
 fn if_expected(state: &State, large: f64) -> Option<IfExpected> {
