@@ -1,6 +1,7 @@
 //! What the filter begins with.
 
 use super::aid::Aid;
+use super::around::Around;
 use super::correct::Misfit;
 use super::moved::Moved;
 use super::scene::SceneStrength;
@@ -100,6 +101,7 @@ impl FieldEstimator {
         s.lean2 = t.lean.0.powi(2);
         (self.leant, self.told) = (false, false);
         self.turned = 0.0;
+        self.around = Around::default();
         s.x[LAG] = 0.0;
         s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });
         self.set_askew();

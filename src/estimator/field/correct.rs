@@ -171,7 +171,8 @@ impl FieldEstimator {
         };
         self.noise.update(self.telling(readings, &innovations, &directions), directions.count(), dt_s);
         self.change.update(&innovations, &directions, (self.noise.variance(), dt_s));
-        self.scene.update((&innovations, &scenes), &directions, variance_of, (self.noise.variance(), dt_s));
+        let told = (self.noise.variance(), dt_s, dt_s * self.heading_rate());
+        self.scene.update((&innovations, &scenes), &directions, variance_of, told);
     }
 
     /// What of the innovations tells of noise, K; in how many dimensions; and how much of its square the filter expects by

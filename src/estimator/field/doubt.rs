@@ -1,6 +1,6 @@
 //! When the scene is found not to be alike all around.
 
-use super::state::{CONTRAST, DEPTH, LEAN, RATE, TURN, VIEW};
+use super::state::{CONTRAST, DEPTH, LEAN, OFFSET, RATE, TURN, VIEW};
 use super::{FieldEstimator, lean};
 use crate::attitude::Attitude;
 use crate::estimator::{PAIR_SLOPE, unseen_lean};
@@ -13,6 +13,12 @@ const UNLIKE: (f64, f64) = (0.1, 0.5);
 const UNEXPECTED: f64 = 3.0;
 /// Turns by so much in all, rad, show all sides.
 const LOOKED_AROUND: f64 = 3.5;
+/// Straight on, so many times the lean of a horizon that leans is expected: twice that holds nineteen flights in twenty where
+/// one in five has one (of 0.2, a quarter is beyond 1.15).
+const HELD: f64 = 1.15 / 2.0;
+/// What turns and climb say more than the thermopiles is no more than this, rad; more, on a straight course, may as well be a
+/// horizon that leans.
+const USUAL_OFFSET: f64 = 3_f64.to_radians();
 /// What is found after these must last so long, s: it is new, and may be what one sensor does, or a wall, until the
 /// witnesses know. What is found before was there.
 const LASTS_S: f64 = 3.0;
@@ -97,14 +103,24 @@ impl FieldEstimator {
     /// How far the attitude may be off by a lean that is not expected, and that what tells of it has not ruled out yet; by
     /// any where nothing tells and nothing would show it; rad.
     pub(super) fn unexpected_lean(&self) -> Attitude {
+        let up = self.state.vertical();
         if !self.told && !self.model.shows_scenes() {
-            return unseen_lean(self.state.vertical());
+            return unseen_lean(up);
         }
+        let t = &self.tuning;
+        let straight = 1.0 - (self.around.ever() / LOOKED_AROUND).min(1.0);
+        // Straight on, turns and climb tell of a lean no more than readings do.
+        let unseen = straight * t.unlike_lean * if self.leant { 1.0 } else { HELD };
+        let [roll, pitch] = [0, 1].map(|i| {
+            let offset = if self.told { (self.state.x[OFFSET + i].abs() - USUAL_OFFSET).max(0.0) } else { 0.0 };
+            unseen.hypot(straight * offset)
+        });
+        let least = Attitude { roll: roll / up[1].hypot(up[2]).max(0.2), pitch };
         if !self.told || self.leant {
-            return Attitude::default();
+            return least;
         }
-        let [roll, pitch] = lean::unexpected(&self.state, self.tuning.unlike_lean).map(f64::sqrt);
-        Attitude { roll, pitch }
+        let [roll, pitch] = lean::unexpected(&self.state, t.unlike_lean).map(f64::sqrt);
+        Attitude { roll: roll.max(least.roll), pitch: pitch.max(least.pitch) }
     }
 
     /// Whether the horizon leans farther than expected.

@@ -130,14 +130,14 @@ impl FieldEstimator {
         let ((ln_depth, ..), (radiance, _)) = (self.tuning.depth, self.tuning.radiance);
         let scene = Scene { ln_depth, radiance, view: View::default(), ..scene(&self.state) };
         let start = Start { axes: self.state.axes, scene, misfit_k2: 0.0 };
-        let (before, turned) = (self.state.clone(), self.turned);
+        let (before, turned, around) = (self.state.clone(), self.turned, self.around);
         self.scene.forget();
         self.begin_with(&start, &self.lately(readings, now), now);
         for i in (TURN..TURN + 3).chain(RATE..RATE + 3).chain([LAG]).chain(askew::STATES) {
             self.state.x[i] = before.x[i];
             self.state.set_variance(i, before.p[i][i]);
         }
-        (self.state.askew2, self.turned) = (before.askew2, turned);
+        (self.state.askew2, self.turned, self.around) = (before.askew2, turned, around);
     }
 
     /// How much of another form is expected from a beginning on; what was seen before it tells no more.

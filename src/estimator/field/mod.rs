@@ -9,7 +9,7 @@
 //! - `hear`: which readings are heard; `witness`: which sensor is not;
 //! - `predict`: from frame to frame; `correct`: what the readings say; `directions`: what they look like;
 //! - `scene`: how strong the sensors' own scenes are; `noise`: how noisy the readings are;
-//! - `change`: a scene that comes nearer; `doubt`: one that is found not to be alike all around; `lean`: how far its
+//! - `around`: how far around it has looked; `change`: a scene that comes nearer; `doubt`: one that is found not to be alike all around; `lean`: how far its
 //!   horizon is expected to lean;
 //! - `form`: sensors that see in another form than said; `averaging`: how much they average in radiance; `calibration`:
 //!   how far they are off; `expected`: states of which more is expected later;
@@ -20,6 +20,7 @@
 //! - `output`: angles and standard deviations.
 
 mod aid;
+mod around;
 mod askew;
 mod averaging;
 mod begin;
@@ -64,6 +65,7 @@ use crate::head::Head;
 use crate::sky::FieldOfView;
 use crate::time::Time;
 use aid::Aid;
+use around::Around;
 use begin::paces;
 use change::SceneChange;
 use correct::Misfit;
@@ -89,6 +91,8 @@ const CARRIED_S: (f64, f64) = (0.1, 1.0);
 const LOST_S: f64 = 0.5;
 /// What the scene might hide before that fades in this time, s.
 const HIDDEN_S: f64 = 10.0;
+/// The least bank by which it turns where no gyro tells, rad.
+const LEAST_BANK: f64 = 10_f64.to_radians();
 /// After so long without a contrast to see by the filter begins anew when it is back, s.
 const BLIND_S: f64 = 0.3;
 
@@ -154,6 +158,8 @@ pub struct FieldEstimator {
     glitch_s: f64,
     /// How far it has turned about the vertical since it began, rad.
     turned: f64,
+    /// How far around it has looked since it began.
+    around: Around,
     /// How far the sky's shape has moved.
     moved: Moved,
     /// The tilt that the scene might hide before it began anew, rad.
@@ -206,6 +212,7 @@ impl FieldEstimator {
             averaging: None,
             glitch_s: 0.0,
             turned: 0.0,
+            around: Around::default(),
             moved: Moved::default(),
             hidden_before: 0.0,
         }
@@ -273,6 +280,14 @@ impl FieldEstimator {
     /// A gyro's rates as they are by all that is known of it, rad/s on nose, left, up.
     fn turning(&self) -> Option<Vector> {
         self.gyro.rates().map(|gyro| rates(&self.state, &self.tuning, Some(gyro)))
+    }
+
+    /// How fast it turns about the vertical, rad/s.
+    fn heading_rate(&self) -> f64 {
+        let up = self.state.vertical();
+        // Without a gyro a turn is what a bank makes, and a small bank may be an error.
+        let turns = self.gyro.in_use() || up[1].abs() > LEAST_BANK.sin();
+        if turns { dot(rates(&self.state, &self.tuning, self.gyro.rates()), up) } else { 0.0 }
     }
 
     /// The contrast that this frame alone shows, K; below 0 where ground and sky look exchanged.
@@ -366,6 +381,7 @@ impl Estimator for FieldEstimator {
             };
             predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
             self.turned += dt_s * self.gyro.rates().map_or(0.0, |r| dot(r, self.state.vertical()).abs());
+            self.around.turn(dt_s * self.heading_rate(), dt_s);
             self.consult(&mut readings, &pace, (now, dt_s));
             self.leave_out(&mut readings, dt_s);
             self.consider_averaging(now);

@@ -10,8 +10,10 @@ const LEFT_S: f64 = 1.0;
 pub const GLITCH_K: f64 = 1.0;
 /// The largest scene, K.
 const LARGEST_K: f64 = 4.0;
-/// How long a scene that was unlike is thought to be so still, s.
-const LATELY_S: f64 = 120.0;
+/// How far it turns until a scene that was unlike is no longer thought to be, rad: some two minutes of turns. Straight on
+/// nothing shows what is there still; for so long, s.
+const LATELY_RAD: f64 = 24.0;
+const LATELY_S: f64 = 1200.0;
 /// Over this time it is seen how strong scenes usually are, s; what is no stronger than so many times that is nothing new.
 const USUAL_S: f64 = 60.0;
 const NEW: f64 = 1.5;
@@ -72,13 +74,13 @@ impl SceneStrength {
     }
 
     /// Takes in each sensor's innovation and what its scene is taken to add, K; `variance_of` a pattern of scenes,
-    /// K², is how well they are known; `noise_k2` is the variance of a reading, K².
+    /// K², is how well they are known; `noise_k2` is the variance of a reading, K²; `turn`: how far it has turned, rad.
     pub fn update(
         &mut self,
         (innovations, scenes): (&Pattern, &Pattern),
         directions: &Directions,
         variance_of: impl Fn(&Pattern) -> f64,
-        (noise_k2, dt_s): (f64, f64),
+        (noise_k2, dt_s, turn): (f64, f64, f64),
     ) {
         let share = -(-dt_s / LEFT_S).exp_m1();
         for (left, innovation) in self.left.iter_mut().zip(innovations) {
@@ -100,7 +102,7 @@ impl SceneStrength {
         }
         self.usual_k += dt_s / self.averaged_s.clamp(dt_s, USUAL_S) * (self.seen_k() - self.usual_k);
         self.first *= (-dt_s / FIRST_S).exp();
-        self.lately = self.unlike().max(self.lately * (-dt_s / LATELY_S).exp());
+        self.lately = self.unlike().max(self.lately * (-dt_s / LATELY_S - turn.abs() / LATELY_RAD).exp());
         self.long += -(-dt_s / LONG_S).exp_m1() * (self.unlike() - self.long);
     }
 

@@ -1,0 +1,93 @@
+//! Straight flight, in which a warm side is always on the same side: nothing tells it from an attitude, from sensors that are
+//! off, or from what turns and climb say too much.
+
+#[path = "events/heard.rs"]
+mod heard;
+
+use heard::{Way, fly};
+use irhorizon::attitude::Attitude;
+use irhorizon::frame::Aiding;
+use irhorizon::simulation::aircraft::Aircraft;
+use irhorizon::simulation::flight::{Flight, Waypoint};
+use irhorizon::simulation::manoeuvre::Style;
+use irhorizon::simulation::trajectory::Trajectory;
+use irhorizon::simulation::{Scenario, SimulatedSource};
+
+/// Without instruments, with a gyro, with all.
+const WAYS: [Way; 3] =
+    [|_| Aiding::default(), |all| Aiding { gyro_deg_s: all.gyro_deg_s, ..Aiding::default() }, |all| all];
+const SECONDS: f64 = 300.0;
+
+/// A lesser bank is none, rad.
+const STRAIGHT: f64 = 0.2;
+
+/// What became of it from the twentieth second on, where it went straight on.
+#[derive(Clone, Copy, Debug, Default)]
+struct Flown {
+    count: f64,
+    squared: f64,
+    /// Angles within two standard deviations.
+    covered: f64,
+    /// Some sensor was said to be wet, lost or stuck.
+    blamed: bool,
+}
+
+impl Flown {
+    fn rms_deg(self) -> f64 {
+        (self.squared / self.count).sqrt().to_degrees()
+    }
+}
+
+/// After `turns_s` of circles straight on, in gusts.
+fn source(scene: &str, turns_s: f64, seed: u64) -> SimulatedSource {
+    let at = |time_s, roll_deg| Waypoint { time_s, roll_deg, pitch_deg: 2.0 };
+    let mut waypoints = vec![at(0.0, 0.0)];
+    if turns_s > 0.0 {
+        waypoints.extend([at(3.0, 0.0), at(6.0, 30.0), at(turns_s - 3.0, 30.0), at(turns_s, 0.0)]);
+    }
+    let style = Style::Scripted(Flight::scripted(waypoints).with_turbulence(1.5, 0.8, seed));
+    let trajectory = Trajectory::fly(&Aircraft::default(), &style, SECONDS + 1.0, seed);
+    Scenario::named(scene).unwrap().lasting(1.0).source(seed).with_trajectory(trajectory)
+}
+
+/// Four flights together.
+fn flown(scene: &str, turns_s: f64) -> [Flown; 3] {
+    let mut all = [Flown::default(); 3];
+    for seed in 31..35 {
+        fly(source(scene, turns_s, seed), (SECONDS, 50.0), WAYS, |way, now| {
+            let straight = now.time_s > 20.0 && now.truth.roll.abs() < STRAIGHT;
+            let Some((said, truth)) = now.given.filter(|_| straight) else { return };
+            let flown = &mut all[way];
+            flown.blamed |= now.names().any(|name| name.contains("sensor"));
+            let Attitude { roll, pitch } = now.estimate.sigma;
+            for (error, sigma) in [(said.roll - truth.roll, roll), (said.pitch - truth.pitch, pitch)] {
+                flown.count += 1.0;
+                flown.squared += error * error;
+                flown.covered += f64::from(u8::from(error.abs() < 2.0 * sigma));
+            }
+        });
+    }
+    for (way, flown) in ["nothing", "a gyro", "all"].iter().zip(&all) {
+        let share = 100.0 * flown.covered / flown.count;
+        println!("{scene}, {turns_s} s of turns, {way}: {:.2}°, {share:.0} %", flown.rms_deg());
+    }
+    all
+}
+
+/// What the circles showed of a warm side is still there when nothing shows it any more.
+#[test]
+fn a_warm_side_is_remembered() {
+    for scene in ["warm-sky", "warm-slope"] {
+        let flown = flown(scene, 60.0);
+        assert!(flown.iter().all(|f| !f.blamed && f.covered > 0.8 * f.count), "{flown:?}");
+    }
+}
+
+/// What nothing has shown is held by sigma, in nineteen flights of twenty: this one is rare.
+#[test]
+fn a_warm_side_that_no_turn_shows_is_within_sigma() {
+    for scene in ["warm-sky", "warm-slope"] {
+        let flown = flown(scene, 0.0);
+        assert!(flown.iter().all(|f| !f.blamed && f.covered > 0.7 * f.count), "{flown:?}");
+    }
+}
