@@ -10,6 +10,7 @@ const EVERY_S: f64 = 5.0;
 /// The headings of the last minute, from any one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Around {
+    turn: f64,
     heading: f64,
     kept: [f64; KEPT],
     since_s: f64,
@@ -19,7 +20,8 @@ pub struct Around {
 
 impl Around {
     /// It turns about the vertical by `turn`, rad, in `dt_s`.
-    pub fn turn(&mut self, turn: f64, dt_s: f64) {
+    pub fn update(&mut self, turn: f64, dt_s: f64) {
+        self.turn = turn;
         self.heading += turn;
         self.since_s += dt_s;
         if self.since_s >= EVERY_S {
@@ -28,6 +30,11 @@ impl Around {
             self.next = (self.next + 1) % KEPT;
         }
         self.ever = self.ever.max(self.lately());
+    }
+
+    /// How far it has just turned, rad.
+    pub fn turn(&self) -> f64 {
+        self.turn
     }
 
     /// The widest angle between two headings of the last minute, rad; beyond a circle it goes on.
@@ -49,8 +56,8 @@ mod tests {
     /// A minute's turn and a half, then straight on with a wobble, rad and s.
     fn flown(straight_s: f64) -> Around {
         let mut around = Around::default();
-        (0..600).for_each(|_| around.turn(-3.0 * std::f64::consts::PI / 600.0, 0.1));
-        (0..(10.0 * straight_s) as u32).for_each(|i| around.turn(0.05 * f64::from(i).cos(), 0.1));
+        (0..600).for_each(|_| around.update(-3.0 * std::f64::consts::PI / 600.0, 0.1));
+        (0..(10.0 * straight_s) as u32).for_each(|i| around.update(0.05 * f64::from(i).cos(), 0.1));
         around
     }
 

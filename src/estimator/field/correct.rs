@@ -171,7 +171,7 @@ impl FieldEstimator {
         };
         self.noise.update(self.telling(readings, &innovations, &directions), directions.count(), dt_s);
         self.change.update(&innovations, &directions, (self.noise.variance(), dt_s));
-        let told = (self.noise.variance(), dt_s, dt_s * self.heading_rate());
+        let told = (self.noise.variance(), dt_s, self.around.turn());
         self.scene.update((&innovations, &scenes), &directions, variance_of, told);
     }
 

@@ -11,7 +11,7 @@ use crate::time::Time;
 const UNLIKE: (f64, f64) = (0.1, 0.5);
 /// A horizon found to lean so many times farther than was expected was expected wrongly.
 const UNEXPECTED: f64 = 3.0;
-/// Turns by so much in all, rad, show all sides.
+/// Turns by so much, rad, show all sides.
 const LOOKED_AROUND: f64 = 3.5;
 /// Straight on, so many times the lean of a horizon that leans is expected: twice that holds nineteen flights in twenty where
 /// one in five has one (of 0.2, a quarter is beyond 1.15).

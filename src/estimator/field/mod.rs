@@ -9,8 +9,8 @@
 //! - `hear`: which readings are heard; `witness`: which sensor is not;
 //! - `predict`: from frame to frame; `correct`: what the readings say; `directions`: what they look like;
 //! - `scene`: how strong the sensors' own scenes are; `noise`: how noisy the readings are;
-//! - `around`: how far around it has looked; `change`: a scene that comes nearer; `doubt`: one that is found not to be alike all around; `lean`: how far its
-//!   horizon is expected to lean;
+//! - `around`: how far around it has looked; `change`: a scene that comes nearer; `doubt`: one that is found not to be alike
+//!   all around; `lean`: how far its horizon is expected to lean;
 //! - `form`: sensors that see in another form than said; `averaging`: how much they average in radiance; `calibration`:
 //!   how far they are off; `expected`: states of which more is expected later;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `turns`: whether they turn as
@@ -381,7 +381,7 @@ impl Estimator for FieldEstimator {
             };
             predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
             self.turned += dt_s * self.gyro.rates().map_or(0.0, |r| dot(r, self.state.vertical()).abs());
-            self.around.turn(dt_s * self.heading_rate(), dt_s);
+            self.around.update(dt_s * self.heading_rate(), dt_s);
             self.consult(&mut readings, &pace, (now, dt_s));
             self.leave_out(&mut readings, dt_s);
             self.consider_averaging(now);
