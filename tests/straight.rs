@@ -74,6 +74,16 @@ fn flown(scene: &str, turns_s: f64) -> [Flown; 3] {
     all
 }
 
+/// Clouds on one side, for minutes on end, were taken for sensors that show too much, and half of the attitude went with them.
+#[test]
+fn among_clouds_a_gyro_makes_nothing_worse() {
+    for turns_s in [0.0, 60.0] {
+        let [alone, gyro, all] = flown("scattered", turns_s);
+        assert!(![alone, gyro, all].iter().any(|f| f.blamed));
+        assert!(gyro.rms_deg() < 1.25 * alone.rms_deg() && all.rms_deg() < 1.25 * alone.rms_deg());
+    }
+}
+
 /// What the circles showed of a warm side is still there when nothing shows it any more.
 #[test]
 fn a_warm_side_is_remembered() {

@@ -15,6 +15,7 @@ pub struct Around {
     kept: [f64; KEPT],
     since_s: f64,
     next: usize,
+    known: bool,
     ever: f64,
 }
 
@@ -28,6 +29,7 @@ impl Around {
             self.since_s = 0.0;
             self.kept[self.next] = self.heading;
             self.next = (self.next + 1) % KEPT;
+            self.known |= self.next == 0;
         }
         self.ever = self.ever.max(self.lately());
     }
@@ -41,6 +43,11 @@ impl Around {
     pub fn lately(&self) -> f64 {
         let [least, most] = self.kept.iter().fold([self.heading; 2], |[l, m], h| [h.min(l), h.max(m)]);
         most - least
+    }
+
+    /// Whether a minute has passed.
+    pub fn is_known(&self) -> bool {
+        self.known
     }
 
     /// The widest that there has been in any minute, rad.
@@ -65,7 +72,7 @@ mod tests {
     fn a_turn_is_seen_and_forgotten_and_a_wobble_is_none() {
         assert!((flown(0.0).lately() - 9.4).abs() < 0.9, "{}", flown(0.0).lately());
         let later = flown(65.0);
-        assert!(later.lately() < 0.2 && later.ever() > 8.5, "{later:?}");
+        assert!(later.lately() < 0.2 && later.ever() > 8.5 && later.is_known(), "{later:?}");
         assert_eq!(Around::default().lately(), 0.0);
     }
 }

@@ -11,13 +11,19 @@ use super::moved::Moved;
 /// How many times more likely, as a logarithm, large errors must be; for so long, s.
 const SURE: f64 = 25.0;
 const LASTS_S: f64 = 20.0;
+/// Nothing tells of them but in a minute in which it looked around as far, rad: more than a gyro's bias makes of it.
+const ALL_AROUND: f64 = 2.5;
 /// How surely the readings have fitted no even sky for long: what a gyro does wrong leaves them alike all around.
 const UNLIKE: f64 = 0.5;
 
 impl FieldEstimator {
     /// Expects the sensors to be off once that shows.
     pub(super) fn calibrate(&mut self, dt_s: f64) {
-        let shows = self.gyro.in_use()
+        // Straight on a warm side looks the same.
+        let around = self.around.lately() > ALL_AROUND;
+        self.state.errors_told = around || !self.around.is_known();
+        let shows = around
+            && self.gyro.in_use()
             && self.scene.long_unlike() > UNLIKE
             && self.errors_likelier().is_some_and(|likelier| likelier > SURE);
         self.off_s = if shows { self.off_s + dt_s } else { 0.0 };

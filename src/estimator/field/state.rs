@@ -62,6 +62,8 @@ pub struct State {
     pub askew2: f64,
     /// The same of what each sensor shows too much, K²; zero while nothing is learnt of it.
     pub error2: f64,
+    /// Whether readings tell of that.
+    pub errors_told: bool,
     sensors: usize,
 }
 
@@ -77,6 +79,7 @@ impl State {
             lean2: 0.0,
             askew2: 0.0,
             error2: 0.0,
+            errors_told: true,
             sensors: sensors.min(MAX_SENSORS),
         }
     }
@@ -138,13 +141,28 @@ impl State {
     }
 
     /// Takes in a reading of state `i`. Nothing is learnt from it of how the horizon leans: that looks like an attitude,
-    /// and what does not is a scene's shape, which nobody knows (a Schmidt–Kalman filter, which considers it).
+    /// and what does not is a scene's shape, which nobody knows (a Schmidt–Kalman filter, which considers it). Nor of what the
+    /// sensors show too much, unless [`State::errors_told`].
     pub fn read(&mut self, i: usize, innovation: f64, variance: f64) {
         let (ph, n) = (self.p[i], self.size());
-        let lean = [LEAN, LEAN + 1].map(|k| (self.x[k], self.p[k][LEAN], self.p[k][LEAN + 1]));
+        let lean = self.block(LEAN);
+        let errors = (n > self.errors().start && !self.errors_told).then(|| self.block(self.errors().start));
         gain(&mut self.x, &mut self.p, n, &ph, ph[i] + variance, innovation);
-        for (k, (x, north, west)) in (LEAN..).zip(lean) {
-            (self.x[k], self.p[k][LEAN], self.p[k][LEAN + 1]) = (x, north, west);
+        self.set_block::<2>(LEAN, lean);
+        if let Some(errors) = errors {
+            self.set_block::<{ 2 * MAX_SENSORS }>(self.errors().start, errors);
+        }
+    }
+
+    /// `N` states from `first` on, and their covariance.
+    fn block<const N: usize>(&self, first: usize) -> [(f64, [f64; N]); N] {
+        std::array::from_fn(|i| (self.x[first + i], std::array::from_fn(|j| self.p[first + i][first + j])))
+    }
+
+    fn set_block<const N: usize>(&mut self, first: usize, block: [(f64, [f64; N]); N]) {
+        for (i, (x, row)) in block.into_iter().enumerate() {
+            self.x[first + i] = x;
+            self.p[first + i][first..first + N].copy_from_slice(&row);
         }
     }
 
@@ -152,7 +170,8 @@ impl State {
     pub fn bound(&mut self, i: usize, (least, most): (f64, f64)) {
         let beyond = self.x[i] - self.x[i].clamp(least, most);
         if beyond != 0.0 {
-            let (n, column) = (self.size(), self.p[i]);
+            let n = if self.errors_told { self.size() } else { self.errors().start };
+            let column = self.p[i];
             let share = beyond / column[i].max(f64::MIN_POSITIVE);
             self.x[..n].iter_mut().zip(&column[..n]).for_each(|(x, p)| *x -= share * p);
         }
