@@ -101,3 +101,27 @@ fn a_warm_side_that_no_turn_shows_is_within_sigma() {
         assert!(flown.iter().all(|f| !f.blamed && f.covered > 0.7 * f.count), "{flown:?}");
     }
 }
+
+/// At rest any lag explains the noise, and a long one is smoothest: after minutes it was taken for seven times as long, and the
+/// first turns under an overcast were off by 10°.
+#[test]
+fn a_long_stand_teaches_no_lag() {
+    let at = |time_s, roll_deg, pitch_deg| Waypoint { time_s, roll_deg, pitch_deg };
+    let stand = [at(0.0, 3.0, 10.0), at(200.0, 3.0, 10.0)];
+    let turns = (0..5).flat_map(|i| {
+        let (time_s, roll_deg) = (203.0 + 20.0 * f64::from(i), if i % 2 == 0 { 40.0 } else { -30.0 });
+        [at(time_s, roll_deg, 3.0), at(time_s + 16.0, roll_deg, 3.0)]
+    });
+    let style = Style::Scripted(Flight::scripted(stand.into_iter().chain(turns).collect()));
+    let trajectory = Trajectory::fly(&Aircraft::default(), &style, SECONDS + 1.0, 1);
+    let source = Scenario::named("overcast").unwrap().lasting(1.0).source(1).with_trajectory(trajectory);
+    let mut largest_deg = [0.0_f64; 3];
+    fly(source, (SECONDS, 50.0), WAYS, |way, now| {
+        if let Some((said, truth)) = now.given.filter(|_| now.time_s > 200.0) {
+            let off = (said.roll - truth.roll).abs().max((said.pitch - truth.pitch).abs());
+            largest_deg[way] = largest_deg[way].max(off.to_degrees());
+        }
+    });
+    println!("overcast, after 200 s at rest, at most: {largest_deg:.1?}°");
+    assert!(largest_deg[1] < 2.0 && largest_deg[2] < 2.0, "{largest_deg:?}");
+}

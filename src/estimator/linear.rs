@@ -28,12 +28,27 @@ pub fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> 
 
 /// Takes an innovation of variance `s` into the first `n` states; `ph` is their covariance with it.
 pub fn gain<const M: usize>(x: &mut [f64; M], p: &mut [[f64; M]; M], n: usize, ph: &[f64; M], s: f64, innovation: f64) {
+    consider(x, p, n, (ph, ph), s, innovation);
+}
+
+/// The same by a Schmidt–Kalman filter: some states are considered, but nothing is learnt of them. `ph` comes as it is, and
+/// with zeros for these.
+pub fn consider<const M: usize>(
+    x: &mut [f64; M],
+    p: &mut [[f64; M]; M],
+    n: usize,
+    (ph, learnt): (&[f64; M], &[f64; M]),
+    s: f64,
+    innovation: f64,
+) {
     let inverse = 1.0 / s;
     for i in 0..n {
+        x[i] += learnt[i] * inverse * innovation;
         let k = ph[i] * inverse;
-        x[i] += k * innovation;
         if k != 0.0 {
-            for (p, h) in p[i][..n].iter_mut().zip(&ph[..n]) {
+            // Two that are only considered go together as before.
+            let with = if learnt[i] == 0.0 { learnt } else { ph };
+            for (p, h) in p[i][..n].iter_mut().zip(&with[..n]) {
                 *p -= k * h;
             }
         }
@@ -56,6 +71,21 @@ mod tests {
                 prop_assert!((made - r).abs() < 1e-9 * largest);
             }
         }
+    }
+
+    /// Of two states that go together one is learnt, and one considered: its variance stays, and what the first is known by is
+    /// what a gain of nothing for the second leaves, by Joseph's formula.
+    #[test]
+    fn nothing_is_learnt_of_what_is_considered() {
+        let (mut x, mut p) = ([1.0, 2.0], [[4.0, 1.0], [1.0, 2.0]]);
+        // A reading of their sum, with a variance of 1.
+        consider(&mut x, &mut p, 2, (&[5.0, 3.0], &[5.0, 0.0]), 9.0, 1.8);
+        let k = 5.0 / 9.0;
+        let first = (1.0 - k) * (1.0 - k) * 4.0 - 2.0 * k * (1.0 - k) * 1.0 + k * k * (2.0 + 1.0);
+        let both = (1.0 - k) * 1.0 - k * 2.0;
+        assert_eq!(x, [2.0, 2.0]);
+        let expected = [[first, both], [both, 2.0]];
+        assert!(p.iter().flatten().zip(expected.iter().flatten()).all(|(p, e)| (p - e).abs() < 1e-12), "{p:?}");
     }
 
     #[test]

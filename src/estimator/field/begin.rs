@@ -83,6 +83,7 @@ impl FieldEstimator {
             s.set_variance(SEEN + i, 1.0);
             s.set_variance(s.scene(i), self.scene.variance());
         }
+        self.vertical_lately = self.state.vertical();
         self.set_form();
         self.set_rates();
     }

@@ -9,7 +9,7 @@ use super::expected::{IfExpected, expect};
 use super::moved::Moved;
 
 /// How many times more likely, as a logarithm, large errors must be; for so long, s.
-const SURE: f64 = 25.0;
+const SURE: f64 = 40.0;
 const LASTS_S: f64 = 20.0;
 /// Nothing tells of them but in a minute in which it looked around as far, rad: more than a gyro's bias makes of it.
 const ALL_AROUND: f64 = 2.5;
@@ -21,7 +21,7 @@ impl FieldEstimator {
     pub(super) fn calibrate(&mut self, dt_s: f64) {
         // Straight on a warm side looks the same.
         let around = self.around.lately() > ALL_AROUND;
-        self.state.errors_told = around || !self.around.is_known();
+        self.state.tell(self.state.errors(), around || !self.around.is_known());
         let shows = around
             && self.gyro.in_use()
             && self.scene.long_unlike() > UNLIKE

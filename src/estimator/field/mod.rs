@@ -14,7 +14,7 @@
 //! - `form`: sensors that see in another form than said; `averaging`: how much they average in radiance; `calibration`:
 //!   how far they are off; `expected`: states of which more is expected later;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `turns`: whether they turn as
-//!   is seen; `askew`: a gyro whose axes are not the head's;
+//!   is seen; `askew`: a gyro whose axes are not the head's; `rest`: whether what is seen moves;
 //! - `aid`: the slow references; `reference_noise`: how much these are off;
 //! - `unheard`: what a sensor left out might have been right about;
 //! - `output`: angles and standard deviations.
@@ -41,6 +41,7 @@ mod noise;
 mod output;
 mod predict;
 mod reference_noise;
+mod rest;
 mod scene;
 mod start;
 mod state;
@@ -160,6 +161,8 @@ pub struct FieldEstimator {
     turned: f64,
     /// How far around it has looked since it began.
     around: Around,
+    /// Where the upward vertical has been lately, on (nose, left, up).
+    vertical_lately: Vector,
     /// How far the sky's shape has moved.
     moved: Moved,
     /// The tilt that the scene might hide before it began anew, rad.
@@ -213,6 +216,7 @@ impl FieldEstimator {
             glitch_s: 0.0,
             turned: 0.0,
             around: Around::default(),
+            vertical_lately: [0.0, 0.0, 1.0],
             moved: Moved::default(),
             hidden_before: 0.0,
         }
@@ -382,6 +386,7 @@ impl Estimator for FieldEstimator {
             predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
             self.turned += dt_s * self.gyro.rates().map_or(0.0, |r| dot(r, self.state.vertical()).abs());
             self.around.update(dt_s * self.heading_rate(), dt_s);
+            self.tell_lag(dt_s);
             self.consult(&mut readings, &pace, (now, dt_s));
             self.leave_out(&mut readings, dt_s);
             self.consider_averaging(now);

@@ -1,6 +1,6 @@
 //! The filter's state: values, covariance, and the two things done with them.
 
-use crate::estimator::linear::gain;
+use crate::estimator::linear::{consider, gain};
 use crate::estimator::vector::{Vector, cross, dot, product, rotation, unit};
 use crate::sky::family::View;
 use std::ops::Range;
@@ -62,15 +62,15 @@ pub struct State {
     pub askew2: f64,
     /// The same of what each sensor shows too much, K²; zero while nothing is learnt of it.
     pub error2: f64,
-    /// Whether readings tell of that.
-    pub errors_told: bool,
+    /// The states of which readings tell.
+    told: [bool; MAX],
     sensors: usize,
 }
 
 impl State {
     /// Level, heading north, everything else zero and certain.
     pub fn new(sensors: usize) -> Self {
-        Self {
+        let mut state = Self {
             axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             x: [0.0; MAX],
             plain: [0.0; MAX_SENSORS],
@@ -79,9 +79,11 @@ impl State {
             lean2: 0.0,
             askew2: 0.0,
             error2: 0.0,
-            errors_told: true,
+            told: [true; MAX],
             sensors: sensors.min(MAX_SENSORS),
-        }
+        };
+        state.tell(LEAN..LEAN + 2, false);
+        state
     }
 
     /// How many states there are: without the sensors' errors while nothing is learnt of these.
@@ -140,40 +142,28 @@ impl State {
         h.iter().map(|(i, a)| a * h.iter().map(|(j, b)| b * self.p[*i][*j]).sum::<f64>()).sum()
     }
 
-    /// Takes in a reading of state `i`. Nothing is learnt from it of how the horizon leans: that looks like an attitude,
-    /// and what does not is a scene's shape, which nobody knows (a Schmidt–Kalman filter, which considers it). Nor of what the
-    /// sensors show too much, unless [`State::errors_told`].
+    /// Whether readings tell of these states; from the beginning on, of all but how the horizon leans: that looks like an
+    /// attitude, and what does not is a scene's shape, which nobody knows.
+    pub fn tell(&mut self, states: Range<usize>, told: bool) {
+        self.told[states].fill(told);
+    }
+
+    /// Takes in a reading of state `i`. Nothing is learnt from it of what readings do not tell: that is considered.
     pub fn read(&mut self, i: usize, innovation: f64, variance: f64) {
         let (ph, n) = (self.p[i], self.size());
-        let lean = self.block(LEAN);
-        let errors = (n > self.errors().start && !self.errors_told).then(|| self.block(self.errors().start));
-        gain(&mut self.x, &mut self.p, n, &ph, ph[i] + variance, innovation);
-        self.set_block::<2>(LEAN, lean);
-        if let Some(errors) = errors {
-            self.set_block::<{ 2 * MAX_SENSORS }>(self.errors().start, errors);
-        }
+        let learnt = std::array::from_fn(|k| if self.told[k] { ph[k] } else { 0.0 });
+        consider(&mut self.x, &mut self.p, n, (&ph, &learnt), ph[i] + variance, innovation);
     }
 
-    /// `N` states from `first` on, and their covariance.
-    fn block<const N: usize>(&self, first: usize) -> [(f64, [f64; N]); N] {
-        std::array::from_fn(|i| (self.x[first + i], std::array::from_fn(|j| self.p[first + i][first + j])))
-    }
-
-    fn set_block<const N: usize>(&mut self, first: usize, block: [(f64, [f64; N]); N]) {
-        for (i, (x, row)) in block.into_iter().enumerate() {
-            self.x[first + i] = x;
-            self.p[first + i][first..first + N].copy_from_slice(&row);
-        }
-    }
-
-    /// Moves state `i` into its bounds, and the others as they go with it. How well all are known stays.
+    /// Moves state `i` into its bounds, and the others of which readings tell as they go with it. How well all are known stays.
     pub fn bound(&mut self, i: usize, (least, most): (f64, f64)) {
         let beyond = self.x[i] - self.x[i].clamp(least, most);
         if beyond != 0.0 {
-            let n = if self.errors_told { self.size() } else { self.errors().start };
-            let column = self.p[i];
+            let (n, column) = (self.size(), self.p[i]);
             let share = beyond / column[i].max(f64::MIN_POSITIVE);
-            self.x[..n].iter_mut().zip(&column[..n]).for_each(|(x, p)| *x -= share * p);
+            for k in (0..n).filter(|k| self.told[*k]) {
+                self.x[k] -= share * column[k];
+            }
         }
     }
 
