@@ -9,7 +9,7 @@ use super::expected::{IfExpected, expect};
 use super::moved::Moved;
 
 /// How many times more likely, as a logarithm, large errors must be; for so long, s.
-const SURE: f64 = 40.0;
+const SURE: f64 = 35.0;
 const LASTS_S: f64 = 20.0;
 /// Nothing tells of them but in a minute in which it looked around as far, rad: more than a gyro's bias makes of it.
 const ALL_AROUND: f64 = 2.5;
