@@ -34,6 +34,11 @@ impl Whiteness {
         self.factor
     }
 
+    /// Something else has shown that the factor is at least so much.
+    pub fn expect(&mut self, factor: f64) {
+        self.factor = self.factor.max(factor).min(self.bounds.1);
+    }
+
     /// Takes in an innovation, `dt_s` after the last.
     pub fn update(&mut self, innovation: f64, dt_s: f64) {
         let keep = (-dt_s / self.smooth_s).exp();
@@ -67,5 +72,15 @@ mod tests {
         assert_eq!(after(&|i| if i % 2 == 0 { 1.0 } else { -1.0 }), 0.1);
         assert_eq!(after(&|_| 0.0), 1.0);
         assert_eq!(after(&|_| 1e-4), 0.1);
+    }
+
+    #[test]
+    fn what_else_shows_makes_it_no_less_and_no_more_than_its_bounds() {
+        let mut w = Whiteness::new(0.1, (0.5, 0.5), (0.1, 8.0));
+        let factors = [0.5, 2.0, 1.0, 9.0].map(|factor| {
+            w.expect(factor);
+            w.factor()
+        });
+        assert_eq!(factors, [1.0, 2.0, 2.0, 8.0]);
     }
 }

@@ -154,6 +154,9 @@ impl FieldEstimator {
                 *apart += share * (now - *apart);
             }
         }
+        if !self.gyro.in_use() {
+            self.expect_manoeuvre(&innovations, &directions, dt_s);
+        }
         let turning = if self.gyro.in_use() { &mut self.gyro_errors } else { &mut self.rates };
         for (turning, direction) in turning.iter_mut().zip(&directions.turn) {
             turning.update(dot(&innovations, direction), dt_s);

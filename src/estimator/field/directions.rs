@@ -73,6 +73,11 @@ impl Directions {
         std::array::from_fn(|k| if self.slope[k] > 1.0 { dot(pattern, &self.turn[k]) / self.slope[k] } else { 0.0 })
     }
 
+    /// How much all sensors show of a turn about `axis` in its direction, K/rad.
+    pub fn slope(&self, axis: usize) -> f64 {
+        self.slope[axis]
+    }
+
     /// What of a pattern looks like another contrast, and is neither a turn nor what the contrast has given way by to one:
     /// where a turn is not believed, what is taken for a contrast instead would ask for more and more of that.
     pub fn weathered(&self, pattern: &Pattern) -> f64 {

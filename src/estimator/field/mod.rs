@@ -35,6 +35,7 @@ mod gyro;
 mod hear;
 mod hint;
 mod lean;
+mod manoeuvre;
 mod model;
 mod moved;
 mod noise;
@@ -72,6 +73,7 @@ use change::SceneChange;
 use correct::Misfit;
 use form::Form;
 use gyro::Gyro;
+use manoeuvre::Manoeuvre;
 use model::Model;
 use moved::Moved;
 use noise::NoiseLevel;
@@ -157,6 +159,8 @@ pub struct FieldEstimator {
     averaging: Option<f64>,
     /// For how long one reading has been far from what it was predicted, s.
     glitch_s: f64,
+    /// Without a gyro, whether one begins.
+    manoeuvre: Manoeuvre,
     /// How far it has turned about the vertical since it began, rad.
     turned: f64,
     /// How far around it has looked since it began.
@@ -214,6 +218,7 @@ impl FieldEstimator {
             lost_s: 0.0,
             averaging: None,
             glitch_s: 0.0,
+            manoeuvre: Manoeuvre::default(),
             turned: 0.0,
             around: Around::default(),
             vertical_lately: [0.0, 0.0, 1.0],

@@ -126,6 +126,15 @@ impl State {
         self.p[i][i] += variance;
     }
 
+    /// Adds an error along these states, all of it by one cause: a variance of 1 of it.
+    pub fn widen(&mut self, along: &[(usize, f64)]) {
+        for (i, a) in along {
+            for (j, b) in along {
+                self.p[*i][*j] += a * b;
+            }
+        }
+    }
+
     /// Takes in a measurement `h·x + noise` that differs from its prediction by `innovation`.
     pub fn correct(&mut self, h: &[(usize, f64)], innovation: f64, variance: f64) {
         let n = self.size();
