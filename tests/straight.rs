@@ -155,3 +155,13 @@ fn the_first_bank_after_calm_is_shown() {
         }
     }
 }
+
+/// A bank after long straight flight shows what the sky's shape is, and that was taken for a wall: here, not in one flight of 400.
+#[test]
+fn what_the_first_bank_shows_is_no_wall() {
+    let source = Scenario::named("durham").unwrap().with_contrast(20.0).lasting(40.0).source(3360);
+    fly(source, (40.0, 50.0), WAYS, |way, now| {
+        let names: Vec<String> = now.names().collect();
+        assert!(names.is_empty(), "{way}, {} s: {names:?}", now.time_s);
+    });
+}

@@ -78,7 +78,7 @@ use model::Model;
 use moved::Moved;
 use noise::NoiseLevel;
 use output::{attitude, moving};
-use predict::{Pace, correction, predict, rates, scene};
+use predict::{Pace, correction, predict, rates};
 use scene::SceneStrength;
 use state::{CONTRAST, State};
 use stuck::Stuck;
@@ -403,7 +403,7 @@ impl Estimator for FieldEstimator {
         }
         self.compare_turns(&readings, now);
         self.correct(&readings, dt_s);
-        self.moved.update(self.model.at_horizon(&scene(&self.state)), dt_s);
+        self.watch_horizon(dt_s);
         self.look(frame, now);
         self.aid.update(&frame.aiding, &mut self.state, &self.tuning, (now, dt_s), self.gyro.rates());
         let carried_s = if self.gyro.in_use() { CARRIED_S.1 } else { CARRIED_S.0 };

@@ -97,8 +97,8 @@ impl Model {
     }
 
     /// How much colder than the ground an even horizon looks, as a share of the contrast, were that [`RADIANCE_K`].
-    pub fn at_horizon(&self, scene: &Scene) -> f64 {
-        self.family.level(0.0, scene.ln_depth, scene.radiance, scene.view).value
+    pub fn at_horizon(&self, scene: &Scene) -> Level {
+        self.family.level(0.0, scene.ln_depth, scene.radiance, scene.view)
     }
 
     /// What sensor `i` shows at rest with these level axes (rows: north, west, up on the body).

@@ -5,6 +5,8 @@
 //! another shape, which the filter finds within seconds: nothing is left over. So a shape that moves tells of a tilt.
 
 use super::FieldEstimator;
+use super::predict::scene;
+use super::state::{DEPTH, RADIANCE, VIEW};
 use crate::attitude::Attitude;
 
 /// The shape is learnt for so long, s, before it can have moved; it is usual after so long.
@@ -23,20 +25,27 @@ pub struct Moved {
     seen_s: f64,
     usual: f64,
     now: f64,
+    /// The variances with which these were known.
+    known: [f64; 2],
 }
 
 impl Moved {
-    /// Takes in how cold it looks for `dt_s`.
-    pub fn update(&mut self, at_horizon: f64, dt_s: f64) {
+    /// Takes in how cold it looks, with its variance, for `dt_s`.
+    pub fn update(&mut self, at_horizon: f64, variance: f64, dt_s: f64) {
         self.seen_s += dt_s;
         self.now = at_horizon;
         let share = if self.seen_s < LEARNT_S { 1.0 } else { dt_s / self.seen_s.min(USUAL_S) };
         self.usual += share * (at_horizon - self.usual);
+        self.known[0] += share * (variance - self.known[0]);
+        self.known[1] = variance;
     }
 
     /// The standard deviation of the tilt that goes with it, rad.
     pub fn sigma(&self) -> f64 {
-        TILT * ((self.now - self.usual).abs() - NOTHING).max(0.0)
+        let [usual, now] = self.known;
+        // What is known better now than it was usually has become so by moving as far, and nothing else has moved.
+        let learnt = (usual - now).max(0.0).sqrt();
+        TILT * ((self.now - self.usual).abs() - NOTHING - learnt).max(0.0)
     }
 
     /// The tilt that it may hide, rad.
@@ -46,6 +55,20 @@ impl Moved {
 }
 
 impl FieldEstimator {
+    /// Watches how cold an even horizon looks, for `dt_s`.
+    pub(super) fn watch_horizon(&mut self, dt_s: f64) {
+        let level = self.model.at_horizon(&scene(&self.state));
+        let [wider, one, other] = level.by_view;
+        let by = [
+            (DEPTH, level.by_ln_depth),
+            (RADIANCE, level.by_radiance),
+            (VIEW, wider),
+            (VIEW + 1, one),
+            (VIEW + 2, other),
+        ];
+        self.moved.update(level.value, self.state.variance_of(&by), dt_s);
+    }
+
     /// How far `attitude` may be off by a wall that looks like another shape of the sky, or was there before it
     /// began anew.
     pub(super) fn walled(&self, attitude: Attitude) -> Attitude {
@@ -60,14 +83,27 @@ mod tests {
 
     /// After a minute and a half of `usual`, and so long of `now`.
     fn sigma_deg(usual: f64, now: f64, seconds: f64) -> f64 {
+        sigma_deg_of((usual, 0.0), (now, 0.0), seconds)
+    }
+
+    /// The same, each with its standard deviation.
+    fn sigma_deg_of(usual: (f64, f64), now: (f64, f64), seconds: f64) -> f64 {
         let mut moved = Moved::default();
-        let mut see = |at_horizon: f64, seconds: f64| {
-            (0..(seconds * 50.0) as u32).for_each(|_| moved.update(at_horizon, 0.02));
+        let mut see = |(at_horizon, sigma): (f64, f64), seconds: f64| {
+            (0..(seconds * 50.0) as u32).for_each(|_| moved.update(at_horizon, sigma * sigma, 0.02));
         };
-        see(0.4, 5.0);
+        see((0.4, 0.0), 5.0);
         see(usual, 90.0);
         see(now, seconds);
         moved.sigma().to_degrees()
+    }
+
+    /// Straight on little is learnt of the shape, and the first bank tells the rest of it.
+    #[test]
+    fn what_was_not_known_has_not_moved() {
+        let after = |usual, now| sigma_deg_of((0.3, usual), (0.32, now), 0.1);
+        assert_eq!(after(0.02, 0.005), 0.0);
+        assert!((4.0..4.2).contains(&after(0.02, 0.02)) && after(0.01, 0.005) < after(0.005, 0.005));
     }
 
     #[test]
