@@ -156,7 +156,7 @@ fn the_first_bank_after_calm_is_shown() {
     }
 }
 
-/// A bank after long straight flight shows what the sky's shape is, and that was taken for a wall: here, not in one flight of 400.
+/// The first bank after straight flight shows the sky's shape. In one flight of 400, this one, that was taken for a wall.
 #[test]
 fn what_the_first_bank_shows_is_no_wall() {
     let source = Scenario::named("durham").unwrap().with_contrast(20.0).lasting(40.0).source(3360);

@@ -3,6 +3,7 @@
 use super::aid::Aid;
 use super::around::Around;
 use super::correct::Misfit;
+use super::manoeuvre::Manoeuvre;
 use super::moved::Moved;
 use super::scene::SceneStrength;
 use super::start::{Start, start};
@@ -103,6 +104,7 @@ impl FieldEstimator {
         (self.leant, self.told) = (false, false);
         self.turned = 0.0;
         self.around = Around::default();
+        self.manoeuvre = Manoeuvre::default();
         s.x[LAG] = 0.0;
         s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });
         self.set_askew();

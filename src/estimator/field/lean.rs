@@ -63,19 +63,14 @@ pub fn hide(s: &mut State, lean: f64) {
         let level = s.axes[i];
         let turn = cross(level, up).map(|c| lean * c);
         let upright = if up[2].abs() < 0.3 { 0.3_f64.copysign(up[2]) } else { up[2] };
-        let line = [
+        s.widen(&[
             (LEAN + i, lean),
             (TURN, turn[0]),
             (TURN + 1, turn[1]),
             (TURN + 2, turn[2]),
             (OFFSET, -lean * level[1] / upright),
             (OFFSET + 1, -lean * level[0]),
-        ];
-        for (a, x) in line {
-            for (b, y) in line {
-                s.p[a][b] += x * y;
-            }
-        }
+        ]);
     }
 }
 
