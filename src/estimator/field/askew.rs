@@ -13,8 +13,6 @@ use std::ops::Range;
 /// How many times more likely, as a logarithm, axes far askew must be; for so long, s: a ridge looks like them for a while.
 const SURE: f64 = 10.0;
 const LASTS_S: f64 = 3.0;
-/// And that share of how much more likely sensors are that are off.
-const OF_SENSORS: f64 = 0.5;
 /// A scale is expected to be off by such a share for each radian that the axes are.
 const SCALE_SHARE: f64 = 0.2;
 /// So much of what is expected is expected with sensors that cannot show a scene.
@@ -85,17 +83,16 @@ impl FieldEstimator {
         let expected = (self.state.askew2, large);
         let tells = self.gyro.in_use() && self.model.shows_scenes();
         let then = tells.then(|| IfExpected::of(&self.state, STATES, expected)).flatten();
-        // Sensors that are off explain far more where they are: then they are found first.
-        let sure = SURE.max(OF_SENSORS * self.errors_likelier());
-        self.askew_s = if then.is_some_and(|then| then.likelier > sure) { self.askew_s + dt_s } else { 0.0 };
+        let likelier = then.map_or(0.0, |then| then.likelier);
+        self.askew_s = if likelier > SURE { self.askew_s + dt_s } else { 0.0 };
         if self.askew_s > LASTS_S {
             self.askew_s = 0.0;
             STATES.for_each(|i| self.state.add_variance(i, large));
             // What the axes did may have been taken for a bias.
             (RATE..RATE + 3).for_each(|i| self.state.add_variance(i, self.tuning.bias.0.powi(2)));
             self.state.askew2 = large;
-            // And readings that fitted no sky, for errors of the sensors: they are found anew if they are there.
-            self.acquit_sensors();
+            // And readings that fitted no sky for errors of the sensors, where these explain less.
+            self.acquit_sensors(likelier);
         }
     }
 }

@@ -22,7 +22,10 @@ impl FieldEstimator {
         // Straight on a warm side looks the same.
         let around = self.around.lately() > ALL_AROUND;
         self.state.tell(self.state.errors(), around || !self.around.is_known());
-        let shows = around && self.gyro.in_use() && self.scene.long_unlike() > UNLIKE && self.errors_likelier() > SURE;
+        let shows = around
+            && self.gyro.in_use()
+            && self.scene.long_unlike() > UNLIKE
+            && self.errors_likelier().is_some_and(|likelier| likelier > SURE);
         self.off_s = if shows { self.off_s + dt_s } else { 0.0 };
         if self.off_s > LASTS_S {
             self.off_s = 0.0;
@@ -39,17 +42,18 @@ impl FieldEstimator {
         self.tuning.error.1.powi(2)
     }
 
-    /// How many times more likely, as a logarithm, large errors are; none where they are expected.
-    pub(super) fn errors_likelier(&self) -> f64 {
-        IfExpected::of(&self.state, self.state.errors(), (self.state.error2, self.large()))
-            .map_or(0.0, |then| then.likelier)
+    /// How many times more likely, as a logarithm, large errors are; `None` where they are expected.
+    fn errors_likelier(&self) -> Option<f64> {
+        IfExpected::of(&self.state, self.state.errors(), (self.state.error2, self.large())).map(|then| then.likelier)
     }
 
-    /// What readings said of the sensors while the gyro's axes were taken wrong tells of them no more.
-    pub(super) fn acquit_sensors(&mut self) {
-        self.state.errors().for_each(|i| self.state.x[i] = 0.0);
-        self.expect_least();
-        self.off_s = 0.0;
+    /// What spoke for errors of the sensors tells of them no more, where something else has been found that is `likelier`
+    /// (as a logarithm) than these.
+    pub(super) fn acquit_sensors(&mut self, likelier: f64) {
+        if self.errors_likelier().is_some_and(|errors| errors < likelier) {
+            self.state.errors().for_each(|i| self.state.x[i] = 0.0);
+            self.expect_least();
+        }
     }
 
     fn expect_least(&mut self) {
