@@ -3,13 +3,15 @@
 use irhorizon::attitude::{Estimate, Mode};
 use irhorizon::config::Settings;
 use irhorizon::config::settings::SimulationSettings;
-use irhorizon::frame::Frame;
+use irhorizon::frame::{Frame, Sample, Value};
 use irhorizon::head::Head;
 use irhorizon::horizon::Horizon;
 use irhorizon::simulation::{Flight, SimulatedSource, Weather};
-use irhorizon::sky::FieldOfView;
+use irhorizon::sky::{Averaging, FieldOfView, Response, Shape};
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 
 /// Flies for a minute; calls `look` with the seconds flown, the estimate and the larger error, °.
 fn fly(weather: &[(f64, f64, f64)], mut look: impl FnMut(f64, &Estimate, f64)) {
@@ -69,4 +71,44 @@ fn hail_withholds_the_attitude_and_lets_it_go_again() {
         }
         assert!(off.is_nan() || off < 8.0, "{s} s: {off}° {e:?}");
     });
+}
+
+/// Six sensors in a flight that never stops turning, under a sky that is gone from one frame to the next, the frames before
+/// it having been late: what nobody saw happen is not taken for hail.
+#[test]
+fn fog_that_is_there_at_once_is_fog() {
+    let sky =
+        Response::new(Shape::Grey { depth: 0.3 }, FieldOfView::Gaussian { fwhm_deg: 90.0 }, Averaging::Temperature);
+    let swing = |most_deg: f64, period_s: f64, time_s: f64| (most_deg * (TAU * time_s / period_s).sin()).to_radians();
+    let chance = |of: f64| (of.sin() * 43_758.545_3).rem_euclid(1.0);
+    let mut unlike = Vec::new();
+    for begins in 0..150 {
+        let (begins_s, fog_s) = (1000.0 + 1.37 * f64::from(begins), 1006.0 + 1.37 * f64::from(begins));
+        let mut horizon = Horizon::new(&Settings::default(), Head::six());
+        let (mut frame, mut estimate) = (Frame::new(6), Estimate::default());
+        let mut told = BTreeSet::new();
+        for i in 0..200 {
+            let late_s = 0.035 * chance(91.17 * f64::from(i) + f64::from(begins)).powi(3);
+            let time_s = begins_s + 0.04 * f64::from(i) + late_s;
+            if (fog_s - 0.1..fog_s).contains(&time_s) {
+                continue;
+            }
+            let (roll, pitch) = (swing(25.0, 5.0, time_s), swing(8.0, 3.1, time_s));
+            let [nose, left, up] = [pitch.sin(), roll.sin() * pitch.cos(), roll.cos() * pitch.cos()];
+            frame.time = Time::from_secs_f64(time_s);
+            for (k, sine) in [nose, -nose, left, -left, up, -up].into_iter().enumerate() {
+                let noise_k = 0.2 * chance(12.9898 * f64::from(i) + 78.233 * k as f64 + f64::from(begins)) - 0.1;
+                let seen_c = if time_s < fog_s { sky.sensor_c(sine, 16.0, 45.0) + noise_k } else { 16.0 };
+                let value = Value::Absolute { object_c: (50.0 * seen_c).round() / 50.0, ambient_c: Some(24.0) };
+                frame.readings[k] = Ok(Sample { value, time: frame.time });
+            }
+            horizon.update(&frame, &[], &mut estimate);
+            told.extend(names(&estimate));
+        }
+        assert!(told.contains("low-contrast"), "{begins}: {told:?}");
+        if told.contains("inverted-contrast") {
+            unlike.push(begins);
+        }
+    }
+    assert!(unlike.is_empty(), "{unlike:?}");
 }

@@ -4,6 +4,7 @@ use super::debounce::{Debounce, State};
 use super::{ActiveFault, Evidence, FaultKind};
 use crate::estimator::Solution;
 use crate::estimator::sides::{BACK_S, HAIL_K};
+use crate::estimator::vector::length;
 use crate::time::Time;
 
 /// Seconds for which ground and sky must be exchanged, and must be upright again by more than any hail makes the sky warmer; by
@@ -37,7 +38,7 @@ impl Inverted {
 
     /// Takes in what was seen at `now`. A frame in which nothing was seen changes nothing.
     pub fn update(&mut self, solution: &Solution, now: Time) -> State {
-        let Some([_, _, z]) = solution.seen_k else { return self.inverted.state() };
+        let Some(seen @ [_, _, z]) = solution.seen_k else { return self.inverted.state() };
         // What a method goes by may still be upside down.
         let z = solution.contrast_k.map_or(z, |contrast| contrast.min(z));
         self.vertical_k = z;
@@ -48,7 +49,9 @@ impl Inverted {
             (true, false) => HAIL_K,
             (true, true) => 0.0,
         };
-        self.inverted.update(z < limit_k, now)
+        // Where nothing is seen, nothing is seen the wrong way round, whatever a method still goes by.
+        let seen = self.inverted.is_active() || length(seen) > -self.limit_k;
+        self.inverted.update(seen && z < limit_k, now)
     }
 
     /// Adds what is there to `faults`.
@@ -98,9 +101,15 @@ mod tests {
     /// What one frame shows is upright, what the method goes by is not.
     #[test]
     fn a_method_that_is_upside_down_itself_is_told_too() {
-        for (contrast_k, expected) in [(Some(-1.1), State::Active), (Some(3.0), State::Clear), (None, State::Clear)] {
+        for (seen_k, contrast_k, expected) in [
+            (3.0, Some(-1.1), State::Active),
+            (3.0, Some(3.0), State::Clear),
+            (3.0, None, State::Clear),
+            // It goes by what is not there any more.
+            (0.0, Some(-1.1), State::Clear),
+        ] {
             let mut inverted = Inverted::new(2.0);
-            let solution = Solution { contrast_k, ..seen(3.0) };
+            let solution = Solution { contrast_k, ..seen(seen_k) };
             let state = (0..10).map(|i| inverted.update(&solution, at(10.0 + 0.02 * f64::from(i)))).last();
             assert_eq!(state, Some(expected), "{contrast_k:?}");
         }

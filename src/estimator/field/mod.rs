@@ -98,6 +98,8 @@ const HIDDEN_S: f64 = 10.0;
 const LEAST_BANK: f64 = 10_f64.to_radians();
 /// After so long without a contrast to see by the filter begins anew when it is back, s.
 const BLIND_S: f64 = 0.3;
+/// For so long after a frame that showed none one in which not all are heard tells nothing of it.
+const NOTHING_S: f64 = 1.0;
 
 /// The estimator of method `field`. For absolute sensors, five at least; pairs' channels are taken as
 /// they come, three at least.
@@ -120,7 +122,9 @@ pub struct FieldEstimator {
     pairs: ContrastSolver,
     head: Head,
     sides: Sides,
-    seen_k: f64,
+    seen_k: Option<f64>,
+    /// When a frame was last seen as a whole, if that showed no contrast.
+    nothing_at: Option<Time>,
     /// Since when there is no contrast to see by, or one that is upside down; whether that has lasted.
     blind_since: Option<Time>,
     blind: bool,
@@ -186,7 +190,8 @@ impl FieldEstimator {
             pairs: ContrastSolver::new(head),
             head: head.clone(),
             sides: Sides::default(),
-            seen_k: 0.0,
+            seen_k: None,
+            nothing_at: None,
             blind_since: None,
             blind: false,
             undecided_since: None,
@@ -272,7 +277,7 @@ impl FieldEstimator {
             attitude: Some(attitude),
             sigma,
             contrast_k: Some(contrast_k),
-            seen_k: Some([0.0, 0.0, self.seen_k]),
+            seen_k: self.seen_k.map(|seen_k| [0.0, 0.0, seen_k]),
             sensors: std::array::from_fn(|i| self.hearing(i)),
             hidden: Some(self.may_hide()),
             hint: self.hint(),
@@ -302,10 +307,17 @@ impl FieldEstimator {
     /// The contrast that this frame alone shows, K; below 0 where ground and sky look exchanged.
     fn look(&mut self, frame: &Frame, now: Time) {
         let all_heard = (0..self.model.sensors()).all(|i| self.hearing(i).standing == Standing::Heard);
-        let alone = self.pairs.solve(&self.head, frame).filter(|_| all_heard);
+        let solved = self.pairs.solve(&self.head, frame);
+        self.nothing_at = solved.map_or(self.nothing_at, |solved| (length(solved) < TELLING_K).then_some(now));
+        let alone = solved.filter(|_| all_heard);
+        if alone.is_none() && self.nothing_at.is_some_and(|at| now.since(at) < NOTHING_S) {
+            // What is still known is what was made of nothing.
+            self.seen_k = None;
+            return;
+        }
         let seen = alone.unwrap_or_else(|| self.state.vertical().map(|c| c * self.state.x[CONTRAST]));
         let sign = self.sides.sign(seen, now);
-        self.seen_k = sign * length(seen);
+        self.seen_k = Some(sign * length(seen));
         let upright = sign > 0.0 && length(seen) > TELLING_K;
         // Out of a contrast of nothing ground, sky and attitude may come all upside down.
         let mirrored = alone.is_some() && upright && dot(seen, self.state.vertical()) < 0.0;
