@@ -14,8 +14,9 @@ use irhorizon::time::Time;
 /// How far the head looks up from the airframe, and the airframe from where it flies, °.
 const NOSE_UP_DEG: f64 = 5.0;
 const ATTACK_DEG: f64 = 2.5;
-/// Six flights of five minutes, of which the first 20 s are left out.
-const SEEDS: std::ops::Range<u64> = 11..17;
+/// Eight flights of five minutes, of which the first 20 s are left out; in three of them what the axes do looks for a while
+/// more like sensors that are off.
+const SEEDS: std::ops::Range<u64> = 5..13;
 const FRAMES: std::ops::Range<u64> = 1000..15_000;
 
 /// The daemon's defaults under `scene`: rms of roll and pitch against what the trim of the moment makes of the truth, °; what
@@ -57,6 +58,6 @@ fn a_gyro_in_the_airframe_helps_a_head_that_is_not() {
         let ([roll, pitch], within) = flown(scene);
         println!("{scene}: {roll:.2} / {pitch:.2}; 2 sigma {within:.0?} %");
         assert!(roll <= roll_deg && pitch <= pitch_deg, "{scene}: {roll} / {pitch}");
-        assert!(within.iter().all(|w| *w >= 90.0), "{scene}: {within:?}");
+        assert!(within.iter().all(|w| *w >= 95.0), "{scene}: {within:?}");
     }
 }

@@ -5,7 +5,7 @@
 //! to be ruled out: so little is expected until much is far likelier. What was learnt until then is kept, and doubted.
 
 use super::FieldEstimator;
-use super::expected::IfExpected;
+use super::expected::{IfExpected, expect};
 use super::state::{ASKEW, RATE, SCALE, State, TURN};
 use crate::estimator::vector::Vector;
 use std::ops::Range;
@@ -13,6 +13,8 @@ use std::ops::Range;
 /// How many times more likely, as a logarithm, axes far askew must be; for so long, s: a ridge looks like them for a while.
 const SURE: f64 = 10.0;
 const LASTS_S: f64 = 3.0;
+/// Sensors are off as well where that is as much more likely beside such axes, as a logarithm.
+const OFF: f64 = 15.0;
 /// A scale is expected to be off by such a share for each radian that the axes are.
 const SCALE_SHARE: f64 = 0.2;
 /// So much of what is expected is expected with sensors that cannot show a scene.
@@ -83,16 +85,19 @@ impl FieldEstimator {
         let expected = (self.state.askew2, large);
         let tells = self.gyro.in_use() && self.model.shows_scenes();
         let then = tells.then(|| IfExpected::of(&self.state, STATES, expected)).flatten();
-        let likelier = then.map_or(0.0, |then| then.likelier);
-        self.askew_s = if likelier > SURE { self.askew_s + dt_s } else { 0.0 };
+        self.askew_s = if then.is_some_and(|then| then.likelier > SURE) { self.askew_s + dt_s } else { 0.0 };
         if self.askew_s > LASTS_S {
             self.askew_s = 0.0;
+            let mut beside = self.state.clone();
+            expect(&mut beside, STATES, expected);
             STATES.for_each(|i| self.state.add_variance(i, large));
             // What the axes did may have been taken for a bias.
             (RATE..RATE + 3).for_each(|i| self.state.add_variance(i, self.tuning.bias.0.powi(2)));
             self.state.askew2 = large;
-            // And readings that fitted no sky for errors of the sensors, where these explain less.
-            self.acquit_sensors(likelier);
+            // And readings that fitted no sky, for errors of the sensors.
+            if self.errors_likelier(&beside) < OFF {
+                self.acquit_sensors();
+            }
         }
     }
 }

@@ -7,6 +7,7 @@
 use super::FieldEstimator;
 use super::expected::{IfExpected, expect};
 use super::moved::Moved;
+use super::state::State;
 
 /// How many times more likely, as a logarithm, large errors must be; for so long, s.
 const SURE: f64 = 35.0;
@@ -25,7 +26,7 @@ impl FieldEstimator {
         let shows = around
             && self.gyro.in_use()
             && self.scene.long_unlike() > UNLIKE
-            && self.errors_likelier().is_some_and(|likelier| likelier > SURE);
+            && self.errors_likelier(&self.state) > SURE;
         self.off_s = if shows { self.off_s + dt_s } else { 0.0 };
         if self.off_s > LASTS_S {
             self.off_s = 0.0;
@@ -42,18 +43,16 @@ impl FieldEstimator {
         self.tuning.error.1.powi(2)
     }
 
-    /// How many times more likely, as a logarithm, large errors are; `None` where they are expected.
-    fn errors_likelier(&self) -> Option<f64> {
-        IfExpected::of(&self.state, self.state.errors(), (self.state.error2, self.large())).map(|then| then.likelier)
+    /// How many times more likely, as a logarithm, large errors are by `state`; none where they are expected.
+    pub(super) fn errors_likelier(&self, state: &State) -> f64 {
+        IfExpected::of(state, state.errors(), (state.error2, self.large())).map_or(0.0, |then| then.likelier)
     }
 
-    /// What spoke for errors of the sensors tells of them no more, where something else has been found that is `likelier`
-    /// (as a logarithm) than these.
-    pub(super) fn acquit_sensors(&mut self, likelier: f64) {
-        if self.errors_likelier().is_some_and(|errors| errors < likelier) {
-            self.state.errors().for_each(|i| self.state.x[i] = 0.0);
-            self.expect_least();
-        }
+    /// What readings have said of the sensors tells of them no more: something else had said it.
+    pub(super) fn acquit_sensors(&mut self) {
+        self.state.errors().for_each(|i| self.state.x[i] = 0.0);
+        self.expect_least();
+        self.off_s = 0.0;
     }
 
     fn expect_least(&mut self) {
