@@ -123,7 +123,7 @@ pub struct FieldEstimator {
     head: Head,
     sides: Sides,
     seen_k: Option<f64>,
-    /// When a frame was last seen as a whole, if that showed no contrast.
+    /// When a frame was last solved by itself, if that showed no contrast.
     nothing_at: Option<Time>,
     /// Since when there is no contrast to see by, or one that is upside down; whether that has lasted.
     blind_since: Option<Time>,
@@ -307,10 +307,10 @@ impl FieldEstimator {
     /// The contrast that this frame alone shows, K; below 0 where ground and sky look exchanged.
     fn look(&mut self, frame: &Frame, now: Time) {
         let all_heard = (0..self.model.sensors()).all(|i| self.hearing(i).standing == Standing::Heard);
-        let solved = self.pairs.solve(&self.head, frame);
-        self.nothing_at = solved.map_or(self.nothing_at, |solved| (length(solved) < TELLING_K).then_some(now));
-        let alone = solved.filter(|_| all_heard);
-        if alone.is_none() && self.nothing_at.is_some_and(|at| now.since(at) < NOTHING_S) {
+        let alone = self.pairs.solve(&self.head, frame).filter(|_| all_heard);
+        if let Some(alone) = alone {
+            self.nothing_at = (length(alone) < TELLING_K).then_some(now);
+        } else if self.nothing_at.is_some_and(|at| now.since(at) < NOTHING_S) {
             // What is still known is what was made of nothing.
             self.seen_k = None;
             return;
