@@ -1,6 +1,6 @@
 //! Fog and hail over a head whose method is `field`: withheld while it lasts, right again after it.
 
-use irhorizon::attitude::{Estimate, Mode};
+use irhorizon::attitude::{Attitude, Estimate, Mode};
 use irhorizon::config::Settings;
 use irhorizon::config::settings::SimulationSettings;
 use irhorizon::frame::{Frame, Sample, Value};
@@ -79,7 +79,7 @@ fn hail_withholds_the_attitude_and_lets_it_go_again() {
 fn fog_that_is_there_at_once_is_fog() {
     let sky =
         Response::new(Shape::Grey { depth: 0.3 }, FieldOfView::Gaussian { fwhm_deg: 90.0 }, Averaging::Temperature);
-    let swing = |most_deg: f64, period_s: f64, time_s: f64| (most_deg * (TAU * time_s / period_s).sin()).to_radians();
+    let swing = |most_deg: f64, period_s: f64, time_s: f64| most_deg * (TAU * time_s / period_s).sin();
     let chance = |of: f64| (of.sin() * 43_758.545_3).rem_euclid(1.0);
     let mut unlike = Vec::new();
     for begins in 0..150 {
@@ -93,8 +93,7 @@ fn fog_that_is_there_at_once_is_fog() {
             if (fog_s - 0.1..fog_s).contains(&time_s) {
                 continue;
             }
-            let (roll, pitch) = (swing(25.0, 5.0, time_s), swing(8.0, 3.1, time_s));
-            let [nose, left, up] = [pitch.sin(), roll.sin() * pitch.cos(), roll.cos() * pitch.cos()];
+            let [nose, left, up] = Attitude::from_degrees(swing(25.0, 5.0, time_s), swing(8.0, 3.1, time_s)).vertical();
             frame.time = Time::from_secs_f64(time_s);
             for (k, sine) in [nose, -nose, left, -left, up, -up].into_iter().enumerate() {
                 let noise_k = 0.2 * chance(12.9898 * f64::from(i) + 78.233 * k as f64 + f64::from(begins)) - 0.1;

@@ -50,8 +50,8 @@ impl Inverted {
             (true, true) => 0.0,
         };
         // Where nothing is seen, nothing is seen the wrong way round, whatever a method still goes by.
-        let seen = self.inverted.is_active() || length(seen) > -self.limit_k;
-        self.inverted.update(seen && z < limit_k, now)
+        let shown = self.inverted.is_active() || length(seen) > -self.limit_k;
+        self.inverted.update(shown && z < limit_k, now)
     }
 
     /// Adds what is there to `faults`.
@@ -111,7 +111,7 @@ mod tests {
             let mut inverted = Inverted::new(2.0);
             let solution = Solution { contrast_k, ..seen(seen_k) };
             let state = (0..10).map(|i| inverted.update(&solution, at(10.0 + 0.02 * f64::from(i)))).last();
-            assert_eq!(state, Some(expected), "{contrast_k:?}");
+            assert_eq!(state, Some(expected), "{seen_k} {contrast_k:?}");
         }
     }
 
