@@ -53,7 +53,7 @@ fn flown(scene: &str) -> ([f64; 2], [f64; 2]) {
 #[test]
 fn a_gyro_in_the_airframe_helps_a_head_that_is_not() {
     for (scene, [roll_deg, pitch_deg]) in
-        [("clear-dry", [0.2, 0.2]), ("scattered", [0.9, 0.9]), ("warm-slope", [1.0, 0.9])]
+        [("clear-dry", [0.2, 0.2]), ("scattered", [0.9, 0.9]), ("patchwork", [1.0, 1.0]), ("warm-slope", [1.0, 0.9])]
     {
         let ([roll, pitch], within) = flown(scene);
         println!("{scene}: {roll:.2} / {pitch:.2}; 2 sigma {within:.0?} %");

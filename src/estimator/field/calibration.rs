@@ -12,6 +12,8 @@ use super::state::State;
 /// How many times more likely, as a logarithm, large errors must be; for so long, s.
 const SURE: f64 = 35.0;
 const LASTS_S: f64 = 20.0;
+/// So many where a gyro's axes are far askew: among clouds they look as if nose and tail were off.
+const SURE_ASKEW: f64 = 60.0;
 /// Nothing tells of them but in a minute in which it looked around as far, rad: more than a gyro's bias makes of it.
 const ALL_AROUND: f64 = 2.5;
 /// How surely the readings have fitted no even sky for long: what a gyro does wrong leaves them alike all around.
@@ -23,10 +25,11 @@ impl FieldEstimator {
         // Straight on a warm side looks the same.
         let around = self.around.lately() > ALL_AROUND;
         self.state.tell(self.state.errors(), around || !self.around.is_known());
+        let askew = self.state.askew2 >= self.tuning.askew.1.powi(2);
         let shows = around
             && self.gyro.in_use()
             && self.scene.long_unlike() > UNLIKE
-            && self.errors_likelier(&self.state) > SURE;
+            && self.errors_likelier(&self.state) > if askew { SURE_ASKEW } else { SURE };
         self.off_s = if shows { self.off_s + dt_s } else { 0.0 };
         if self.off_s > LASTS_S {
             self.off_s = 0.0;
