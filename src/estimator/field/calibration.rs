@@ -25,11 +25,11 @@ impl FieldEstimator {
         // Straight on a warm side looks the same.
         let around = self.around.lately() > ALL_AROUND;
         self.state.tell(self.state.errors(), around || !self.around.is_known());
-        let askew = self.state.askew2 >= self.tuning.askew.1.powi(2);
+        let sure = if self.axes_are_askew() { SURE_ASKEW } else { SURE };
         let shows = around
             && self.gyro.in_use()
             && self.scene.long_unlike() > UNLIKE
-            && self.errors_likelier(&self.state) > if askew { SURE_ASKEW } else { SURE };
+            && self.errors_likelier(&self.state) > sure;
         self.off_s = if shows { self.off_s + dt_s } else { 0.0 };
         if self.off_s > LASTS_S {
             self.off_s = 0.0;
