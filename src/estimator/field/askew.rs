@@ -79,11 +79,6 @@ impl FieldEstimator {
         }
     }
 
-    /// Whether a gyro's axes have been found far askew.
-    pub(super) fn axes_are_askew(&self) -> bool {
-        self.state.askew2 >= self.tuning.askew.1.powi(2)
-    }
-
     /// Expects a gyro's axes to be far askew once that shows; never with sensors to which a scene looks the same.
     pub(super) fn doubt_axes(&mut self, dt_s: f64) {
         let large = self.tuning.askew.1.powi(2);

@@ -10,10 +10,11 @@ use super::moved::Moved;
 use super::state::State;
 
 /// How many times more likely, as a logarithm, large errors must be; for so long, s.
-const SURE: f64 = 35.0;
+const SURE: f64 = 20.0;
 const LASTS_S: f64 = 20.0;
-/// So many where a gyro's axes are far askew: among clouds they look as if nose and tail were off.
-const SURE_ASKEW: f64 = 60.0;
+/// And so many times what they are unlikely by themselves: large errors explain some of what no sky of the family shows, the
+/// longer it is seen the more, but those that do are ever larger.
+const TIMES: f64 = 4.0;
 /// Nothing tells of them but in a minute in which it looked around as far, rad: more than a gyro's bias makes of it.
 const ALL_AROUND: f64 = 2.5;
 /// How surely the readings have fitted no even sky for long: what a gyro does wrong leaves them alike all around.
@@ -25,11 +26,10 @@ impl FieldEstimator {
         // Straight on a warm side looks the same.
         let around = self.around.lately() > ALL_AROUND;
         self.state.tell(self.state.errors(), around || !self.around.is_known());
-        let sure = if self.axes_are_askew() { SURE_ASKEW } else { SURE };
         let shows = around
             && self.gyro.in_use()
             && self.scene.long_unlike() > UNLIKE
-            && self.errors_likelier(&self.state) > sure;
+            && self.if_large(&self.state).is_some_and(|then| then.likelier > SURE.max(TIMES * then.unlikely));
         self.off_s = if shows { self.off_s + dt_s } else { 0.0 };
         if self.off_s > LASTS_S {
             self.off_s = 0.0;
@@ -46,9 +46,14 @@ impl FieldEstimator {
         self.tuning.error.1.powi(2)
     }
 
+    /// What is known of the errors by `state` were large ones expected; none where they are.
+    fn if_large(&self, state: &State) -> Option<IfExpected> {
+        IfExpected::of(state, state.errors(), (state.error2, self.large()))
+    }
+
     /// How many times more likely, as a logarithm, large errors are by `state`; none where they are expected.
     pub(super) fn errors_likelier(&self, state: &State) -> f64 {
-        IfExpected::of(state, state.errors(), (state.error2, self.large())).map_or(0.0, |then| then.likelier)
+        self.if_large(state).map_or(0.0, |then| then.likelier)
     }
 
     /// What readings have said of the sensors tells of them no more: something else had said it.
@@ -82,13 +87,13 @@ mod tests {
     use crate::source::FrameSource;
     use crate::time::Time;
 
-    /// Five minutes under a clear sky with sensors that show so much too much, K.
-    fn flown(errors_k: [f64; 6], gyro: bool) -> FieldEstimator {
-        let scenario = Scenario::named("clear-dry").unwrap().lasting(300.0);
-        let (mut source, head) = (scenario.source(21), scenario.head());
+    /// Some minutes with sensors that show so much too much, K.
+    fn flown((scene, minutes): (&str, u32), errors_k: [f64; 6], gyro: bool) -> FieldEstimator {
+        let scenario = Scenario::named(scene).unwrap().lasting(60.0 * f64::from(minutes));
+        let (mut source, head) = (scenario.source(22), scenario.head());
         let mut e = FieldEstimator::new(&head, scenario.field(), Tuning::default());
         let mut frame = Frame::new(head.sensors.len());
-        for i in 0..300 * 50 {
+        for i in 0..minutes * 60 * 50 {
             source.scan(Time::from_secs_f64(100.0 + f64::from(i) * 0.02), &mut frame);
             for (reading, error_k) in frame.readings.iter_mut().zip(errors_k) {
                 if let Ok(Sample { value: Value::Absolute { object_c, .. }, .. }) = reading {
@@ -103,10 +108,12 @@ mod tests {
         e
     }
 
+    const CLEAR: (&str, u32) = ("clear-dry", 5);
+
     #[test]
     fn sensors_that_are_off_are_found_out_in_flight() {
         let errors_k = [0.4, -0.3, 0.2, -0.4, 0.3, -0.1];
-        let e = flown(errors_k, true);
+        let e = flown(CLEAR, errors_k, true);
         assert!(e.state.error2 > 0.01, "nothing shows");
         // What all have in common is the ground's temperature, what the upper one alone has is the contrast: neither
         // tilts anything.
@@ -119,14 +126,20 @@ mod tests {
 
     #[test]
     fn where_all_are_right_nothing_is_found() {
-        let e = flown([0.0; 6], true);
+        let e = flown(CLEAR, [0.0; 6], true);
         assert!(e.state.error2 < 0.01);
         assert!(e.state.errors().all(|i| e.state.x[i].abs() < 0.01));
     }
 
     #[test]
+    fn fields_and_woods_are_not_taken_for_errors() {
+        let e = flown(("patchwork", 10), [0.0; 6], true);
+        assert!(e.state.error2 < 0.01);
+    }
+
+    #[test]
     fn without_a_gyro_nothing_tells() {
-        let e = flown([0.4, -0.3, 0.2, -0.4, 0.3, -0.1], false);
+        let e = flown(CLEAR, [0.4, -0.3, 0.2, -0.4, 0.3, -0.1], false);
         assert_eq!(e.state.error2, 0.0);
         assert!(e.state.errors().all(|i| e.state.x[i] == 0.0 && e.state.p[i][i] == 0.0));
     }

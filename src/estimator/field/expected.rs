@@ -19,6 +19,8 @@ pub struct IfExpected {
     pub p: [[f64; MOST]; MOST],
     /// How many times likelier, as a logarithm, what was said so far is then.
     pub likelier: f64,
+    /// How unlikely such values are even then, as a logarithm.
+    pub unlikely: f64,
 }
 
 impl IfExpected {
@@ -26,8 +28,8 @@ impl IfExpected {
     /// was `was`; none where more was expected, or nothing at all is.
     pub fn of(state: &State, states: Range<usize>, (was, large): (f64, f64)) -> Option<Self> {
         let n = states.len();
-        let mut made = Self { x: [0.0; MOST], p: [[0.0; MOST]; MOST], likelier: 0.0 };
-        let Self { x, p, likelier } = &mut made;
+        let mut made = Self { x: [0.0; MOST], p: [[0.0; MOST]; MOST], likelier: 0.0, unlikely: 0.0 };
+        let Self { x, p, likelier, unlikely } = &mut made;
         x[..n].copy_from_slice(&state.x[states.clone()]);
         p.iter_mut().zip(&state.p[states.clone()]).for_each(|(p, row)| p[..n].copy_from_slice(&row[states.clone()]));
         for i in 0..n {
@@ -38,6 +40,7 @@ impl IfExpected {
             let shown = x[i] * x[i] / p[i][i] - mean * mean / variance;
             *likelier += 0.5 * (shown + (p[i][i] / variance * was / large).ln());
         }
+        *unlikely = x.iter().map(|x| 0.5 * x * x / large).sum();
         Some(made)
     }
 }

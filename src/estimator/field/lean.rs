@@ -28,7 +28,7 @@ pub fn shows(state: &State, large: f64) -> bool {
 /// The variance of roll and of pitch, rad², by leans of standard deviation `large` (rad) that are not expected and may be
 /// there for all that was said so far.
 pub fn unexpected(state: &State, large: f64) -> [f64; 2] {
-    let Some(IfExpected { x, p, likelier }) = if_expected(state, large) else { return [0.0; 2] };
+    let Some(IfExpected { x, p, likelier, .. }) = if_expected(state, large) else { return [0.0; 2] };
     let there = 1.0 / (1.0 + (1.0 - LEANING) / LEANING * (-likelier).exp());
     let up = state.vertical();
     let upright = up[2].abs().max(0.3);
