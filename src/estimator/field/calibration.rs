@@ -10,7 +10,7 @@ use super::moved::Moved;
 use super::state::State;
 
 /// How many times more likely, as a logarithm, large errors must be; for so long, s.
-const SURE: f64 = 20.0;
+const SURE: f64 = 35.0;
 const LASTS_S: f64 = 20.0;
 /// And so many times what they are unlikely by themselves: large errors explain some of what no sky of the family shows, the
 /// longer it is seen the more, but those that do are ever larger.
