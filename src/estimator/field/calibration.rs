@@ -90,7 +90,7 @@ mod tests {
     /// Some minutes with sensors that show so much too much, K.
     fn flown((scene, minutes): (&str, u32), errors_k: [f64; 6], gyro: bool) -> FieldEstimator {
         let scenario = Scenario::named(scene).unwrap().lasting(60.0 * f64::from(minutes));
-        let (mut source, head) = (scenario.source(22), scenario.head());
+        let (mut source, head) = (scenario.source(23), scenario.head());
         let mut e = FieldEstimator::new(&head, scenario.field(), Tuning::default());
         let mut frame = Frame::new(head.sensors.len());
         for i in 0..minutes * 60 * 50 {
