@@ -254,7 +254,7 @@ impl FieldEstimator {
         } else {
             let lately = self.scene.lately_unlike();
             let side_k = lately * t.unlike_side_k.0;
-            (side_k, side_k.max(lately * t.hidden.0 * self.scene.seen_k()))
+            (side_k, side_k.max(lately * t.hidden.0 * self.scene.lately_k()))
         };
         let poor = self.misfit.excess();
         let doubted = |own: Attitude, side_k: f64| {

@@ -152,6 +152,11 @@ impl SceneStrength {
         self.usual_k
     }
 
+    /// The size of what has lately been seen of them, K: what is usual is there still while nothing shows it.
+    pub fn lately_k(&self) -> f64 {
+        self.seen_k().max(self.usual_k)
+    }
+
     /// How much stronger than usual they are, K.
     pub fn new_k(&self) -> f64 {
         (self.seen_k() - NEW * self.usual_k).max(0.0)
@@ -180,6 +185,11 @@ mod tests {
 
     fn seeing(seen_k: f64, usual_k: f64) -> SceneStrength {
         SceneStrength { seen: [seen_k * seen_k; 2], usual_k, ..SceneStrength::new(0.02, (1.0, 10.0)) }
+    }
+
+    #[test]
+    fn what_was_seen_lately_is_there_still() {
+        assert_eq!([seeing(0.2, 0.5).lately_k(), seeing(0.5, 0.2).lately_k()], [0.5; 2]);
     }
 
     #[test]
