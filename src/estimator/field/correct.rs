@@ -131,7 +131,7 @@ impl FieldEstimator {
             let Some(reading) = reading else { continue };
             let s = self.model.seen(i, &self.state.axes, &sky);
             innovations[i] = reading - self.state.x[SEEN + i];
-            scenes[i] = s.sky * self.state.x[self.state.scene(i)];
+            scenes[i] = s.scene * self.state.x[self.state.scene(i)];
             seen[i] = Some(s);
         }
         let shape = SHAPES.map(|i| SHAPES.map(|j| self.state.p[i][j]));
@@ -169,13 +169,15 @@ impl FieldEstimator {
         });
         self.misfit.turning -= (-dt_s / MISFIT_S).exp_m1() * (turning - self.misfit.turning);
         let variance_of = |p: &Pattern| {
-            let scenes = || seen.iter().enumerate().filter_map(|(i, s)| Some((state.scene(i), s.as_ref()?.sky * p[i])));
+            let scenes =
+                || seen.iter().enumerate().filter_map(|(i, s)| Some((state.scene(i), s.as_ref()?.scene * p[i])));
             scenes().map(|(i, a)| a * scenes().map(|(j, b)| b * state.p[i][j]).sum::<f64>()).sum()
         };
         self.noise.update(self.telling(readings, &innovations, &directions), directions.count(), dt_s);
         self.change.update(&innovations, &directions, (self.noise.variance(), dt_s));
         let told = (self.noise.variance(), dt_s, self.around.turn());
         self.scene.update((&innovations, &scenes), &directions, variance_of, told);
+        self.find_beneath(&seen, dt_s);
     }
 
     /// What of the innovations tells of noise, K; in how many dimensions; and how much of its square the filter expects by

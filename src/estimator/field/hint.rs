@@ -28,7 +28,7 @@ impl FieldEstimator {
         let warm = |i: usize| s.axes[i].map(|c| PAIR_SLOPE * sky.contrast_k * sky.lean[i] * c);
         let mut toward = add_scaled(warm(0), 1.0, warm(1));
         for i in 0..self.model.sensors() {
-            let extra_k = self.model.seen(i, &s.axes, &sky).sky * s.x[s.scene(i)];
+            let extra_k = self.model.seen(i, &s.axes, &sky).scene * s.x[s.scene(i)];
             let direction = self.model.direction(i);
             toward = add_scaled(toward, extra_k, add_scaled(direction, -dot(direction, up), up));
         }

@@ -8,7 +8,8 @@
 //! - `model`: what a sensor should show; `start`, `begin`: where the filter begins;
 //! - `hear`: which readings are heard; `witness`: which sensor is not;
 //! - `predict`: from frame to frame; `correct`: what the readings say; `directions`: what they look like;
-//! - `scene`: how strong the sensors' own scenes are; `noise`: how noisy the readings are;
+//! - `scene`: how strong the sensors' own scenes are; `beneath`: how much of them lies on the ground; `noise`: how noisy the
+//!   readings are;
 //! - `around`: how far around it has looked; `change`: a scene that comes nearer; `doubt`: one that is found not to be alike
 //!   all around; `lean`: how far its horizon is expected to lean;
 //! - `form`: sensors that see in another form than said; `averaging`: how much they average in radiance; `calibration`:
@@ -24,6 +25,7 @@ mod around;
 mod askew;
 mod averaging;
 mod begin;
+mod beneath;
 mod calibration;
 mod change;
 mod correct;
@@ -69,6 +71,7 @@ use crate::time::Time;
 use aid::Aid;
 use around::Around;
 use begin::paces;
+use beneath::Beneath;
 use change::SceneChange;
 use correct::Misfit;
 use form::Form;
@@ -171,6 +174,8 @@ pub struct FieldEstimator {
     around: Around,
     /// Where the upward vertical has been lately, on (nose, left, up).
     vertical_lately: Vector,
+    /// How much of what makes the scene unlike an even sky lies on the ground.
+    beneath: Beneath,
     /// How far the sky's shape has moved.
     moved: Moved,
     /// The tilt that the scene might hide before it began anew, rad.
@@ -227,6 +232,7 @@ impl FieldEstimator {
             turned: 0.0,
             around: Around::default(),
             vertical_lately: [0.0, 0.0, 1.0],
+            beneath: Beneath::default(),
             moved: Moved::default(),
             hidden_before: 0.0,
         }

@@ -35,7 +35,9 @@ pub struct Seen {
     pub by_contrast: f64,
     /// With the logarithm of the sky's depth, K.
     pub by_depth: f64,
-    /// With the sensor's own scene: the share of sky in what it sees.
+    /// With the sensor's own scene: what of one it sees.
+    pub scene: f64,
+    /// The share of sky in what it sees, 0..1; in what a pair's first sees.
     pub sky: f64,
     /// With how much is averaged in radiance, K.
     pub by_radiance: f64,
@@ -60,6 +62,8 @@ pub struct Scene {
     pub view: View,
     /// How far the horizon that is seen leans up to north and to west, where it is warmer, rad.
     pub lean: [f64; 2],
+    /// The share that what looks straight down sees of a scene.
+    pub beneath: f64,
 }
 
 impl Model {
@@ -113,8 +117,9 @@ impl Model {
         let level = |sine: f64| self.family.level(sine, scene.ln_depth, averaged, scene.view);
         let high = level(sine);
         // What the level adds to a reading, times the contrast: a sensor shows what the sky is less than the ground.
-        let (sign, ground_c, by_ground, sky, level) = match kind {
-            SensorKind::Absolute { .. } => (-1.0, scene.ground_c, 1.0, (high.value * 3.0).clamp(0.35, 1.0), high),
+        let sky = (high.value * 3.0).clamp(0.0, 1.0);
+        let (sign, ground_c, by_ground, own, level) = match kind {
+            SensorKind::Absolute { .. } => (-1.0, scene.ground_c, 1.0, sky.max(scene.beneath), high),
             SensorKind::Pair { .. } => {
                 let low = level(-sine);
                 let pair = Level {
@@ -136,6 +141,7 @@ impl Model {
             by_contrast: sign * (level.value + averaged * level.by_radiance),
             by_depth: by_level * level.by_ln_depth,
             by_radiance: share * by_level * level.by_radiance,
+            scene: own,
             sky,
             by_view: level.by_view.map(|by| by_level * by),
             by_lean: [north, west].map(|axis| -slope * dot(direction, *axis)),
@@ -155,6 +161,7 @@ mod tests {
         radiance: 0.3,
         view: [0.2, 0.3, -0.2],
         lean: [0.0; 2],
+        beneath: 0.4,
     };
 
     /// Each slope is what a small step changes, of sensors that show their own temperature and of pairs.

@@ -196,7 +196,7 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
         // What it shows less than the ground, all of it off by the same share.
         let share = (s.value - s.by_ground * scene.ground_c) / SPAN_K;
         let off = state.x[error] + share * state.x[scale];
-        let input = s.value + s.sky * state.x[own] + off;
+        let input = s.value + s.scene * state.x[own] + off;
         let lag = if lag_s > 1e-4 { keep * dt_s / lag_s * (state.x[SEEN + i] - input) } else { 0.0 };
         let ([x, y, z], [north, west]) = (s.by_turn, s.by_lean);
         *slope = [
@@ -215,7 +215,7 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
             (VIEW + 2, s.by_view[2]),
             (LEAN, north),
             (LEAN + 1, west),
-            (own, s.sky),
+            (own, s.scene),
             (error, 1.0),
             (scale, share),
             (LAG, 0.0),
@@ -251,5 +251,6 @@ pub fn scene(state: &State) -> Scene {
         radiance: state.x[RADIANCE],
         view: state.view(),
         lean: [state.x[LEAN], state.x[LEAN + 1]],
+        beneath: state.beneath,
     }
 }

@@ -1,5 +1,6 @@
 //! Where the filter begins: the attitude and the sky that one frame alone speaks for.
 
+use super::beneath;
 use super::model::{Model, Scene};
 use super::state::MAX_SENSORS;
 use super::tuning::Tuning;
@@ -64,6 +65,7 @@ pub fn start(
         radiance: tuning.radiance.0,
         view: [0.0; 3],
         lean: [0.0; 2],
+        beneath: beneath::LEAST,
     };
     let aside: Vector = std::array::from_fn(|i| up[i] - tilt.abs() * before[i]);
     let nearer = unit(add_scaled(before, 0.3, aside)).unwrap_or(up);

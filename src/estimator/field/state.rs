@@ -1,5 +1,6 @@
 //! The filter's state: values, covariance, and the two things done with them.
 
+use super::beneath;
 use crate::estimator::linear::{consider, gain};
 use crate::estimator::vector::{Vector, cross, dot, product, rotation, unit};
 use crate::sky::family::View;
@@ -62,6 +63,8 @@ pub struct State {
     pub askew2: f64,
     /// The same of what each sensor shows too much, K²; zero while nothing is learnt of it.
     pub error2: f64,
+    /// The share that what looks straight down sees of a scene, as a sensor that looks up sees all of it.
+    pub beneath: f64,
     /// The states of which readings tell.
     told: [bool; MAX],
     sensors: usize,
@@ -79,6 +82,7 @@ impl State {
             lean2: 0.0,
             askew2: 0.0,
             error2: 0.0,
+            beneath: beneath::LEAST,
             told: [true; MAX],
             sensors: sensors.min(MAX_SENSORS),
         };

@@ -139,7 +139,7 @@ impl Witness {
             let seen = model.seen(i, &self.axes, &sky);
             let h = slopes(&seen, i);
             let moved: f64 = h.iter().map(|(k, c)| c * (self.x[*k] - before[*k])).sum();
-            let expected = seen.value + seen.sky * before[OWN + i] + moved;
+            let expected = seen.value + seen.scene * before[OWN + i] + moved;
             let mut ph = [0.0; MAX];
             let n = self.size();
             for (row, v) in self.p[..n].iter().zip(&mut ph) {
@@ -239,6 +239,6 @@ fn slopes(seen: &Seen, i: usize) -> [(usize, f64); 6] {
         (TURN + 2, z),
         (GROUND, seen.by_ground),
         (CONTRAST, seen.by_contrast),
-        (OWN + i, seen.sky),
+        (OWN + i, seen.scene),
     ]
 }

@@ -8,8 +8,15 @@ use crate::simulation::noise::Noise;
 use crate::sky::FieldOfView;
 use std::f64::consts::TAU;
 
-const SKY: Scene =
-    Scene { ground_c: 15.0, contrast_k: 35.0, ln_depth: -1.2, radiance: 0.0, view: [0.0; 3], lean: [0.0; 2] };
+const SKY: Scene = Scene {
+    ground_c: 15.0,
+    contrast_k: 35.0,
+    ln_depth: -1.2,
+    radiance: 0.0,
+    view: [0.0; 3],
+    lean: [0.0; 2],
+    beneath: 0.35,
+};
 const NOISE_K: f64 = 0.08;
 const PACE: Pace = Pace { scene_k2: 0.0225, ..Pace::USUAL };
 
