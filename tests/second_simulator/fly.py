@@ -2,9 +2,9 @@
 
 fly.py SCENE SEED
 
-Flat world, hand-flown banks to 50 degrees and turbulence, six sensors with a Gaussian field of view of 90 degrees, first-order
-lag of 0.1 s, noise of 0.08 K, 0.02 K steps; a gyro with a bias, GPS and airspeed five times a second, wind. The standard
-library alone: what a sensor sees goes by its elevation, so tables do.
+Flat world, hand-flown banks to 50 degrees and turbulence, six sensors with a Gaussian field of view of 90 degrees, a first-order
+lag of 0.1 s, noise of 0.08 K and steps of 0.02 K; a gyro with a bias, GPS and airspeed five times a second, wind. What a sensor
+sees goes by its elevation alone, so tables do. The standard library is enough.
 """
 
 import math

@@ -56,10 +56,8 @@ impl FieldEstimator {
         (self.rates, self.gyro_errors, self.contrast, self.scene) = paces(&t);
         self.scene.begin(t.scene.0 * (start.scene.contrast_k.abs() / 35.0).min(1.0), lately);
         self.state = State::new(self.model.sensors());
-        let beneath = self.share_beneath();
         let s = &mut self.state;
         s.axes = start.axes;
-        s.beneath = beneath;
         s.x[GROUND] = start.scene.ground_c;
         s.x[CONTRAST] = start.scene.contrast_k;
         s.x[DEPTH] = start.scene.ln_depth;

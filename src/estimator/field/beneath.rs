@@ -4,8 +4,8 @@
 //! misled. Fields, a shore or a slope in the sun are on the ground, and what looks down is misled the most. Which of the two
 //! it is shows in what each sensor sees of a scene of its own.
 //!
-//! It is asked with a gyro alone. Without one much of a scene is taken for an attitude, sensors that see in another form than
-//! told look like a ground of fields, and what looks down is what underestimates least.
+//! It is asked with a gyro alone. Without one much of a scene is taken for an attitude, and sensors that see in another form
+//! than told look like a ground of fields: angles are underestimated by a half more then.
 
 use super::FieldEstimator;
 use super::model::Seen;
@@ -41,14 +41,15 @@ impl Default for Beneath {
 
 impl Beneath {
     /// Takes in what each sensor sees, and its scene, K, for `dt_s`.
-    pub fn update(&mut self, scenes: impl Iterator<Item = (Seen, f64)>, dt_s: f64) {
-        let (mut ground, mut sky) = (Mean::default(), Mean::default());
-        for (seen, scene_k) in scenes {
-            let square = (seen.scene * scene_k).powi(2).min(MOST_K * MOST_K);
-            sky.add(seen.sky, square);
-            ground.add(1.0 - seen.sky, square);
-        }
-        if let (Some(ground), Some(sky)) = (ground.of(ENOUGH), sky.of(ENOUGH)) {
+    pub fn update(&mut self, scenes: impl Iterator<Item = (Seen, f64)> + Clone, dt_s: f64) {
+        let mean = |weight: fn(f64) -> f64| {
+            let (sum, whole) = scenes.clone().fold((0.0, 0.0), |(sum, whole), (seen, scene_k)| {
+                let square = (seen.scene * scene_k).powi(2).min(MOST_K * MOST_K);
+                (sum + weight(seen.sky) * square, whole + weight(seen.sky))
+            });
+            (whole > ENOUGH).then(|| sum / whole)
+        };
+        if let (Some(ground), Some(sky)) = (mean(|sky| 1.0 - sky), mean(|sky| sky)) {
             let share = -(-dt_s / TIME_S).exp_m1();
             self.ground += share * (ground - self.ground);
             self.sky += share * (sky - self.sky);
@@ -70,43 +71,16 @@ impl FieldEstimator {
             let own = |i: usize| self.state.x[self.state.scene(i)];
             self.beneath.update(seen.iter().enumerate().filter_map(|(i, s)| Some(((*s)?, own(i)))), dt_s);
         }
-        self.state.beneath = self.share_beneath();
-    }
-
-    /// The share that what looks straight down is taken to see of a scene.
-    pub(super) fn share_beneath(&self) -> f64 {
-        if self.gyro.in_use() { self.beneath.share() } else { LEAST }
-    }
-}
-
-/// A weighted mean.
-#[derive(Clone, Copy, Debug, Default)]
-struct Mean {
-    sum: f64,
-    weight: f64,
-}
-
-impl Mean {
-    fn add(&mut self, weight: f64, value: f64) {
-        self.sum += weight * value;
-        self.weight += weight;
-    }
-
-    /// None where no more than `least` has a say.
-    fn of(self, least: f64) -> Option<f64> {
-        (self.weight > least).then(|| self.sum / self.weight)
+        self.state.beneath = if self.gyro.in_use() { self.beneath.share() } else { LEAST };
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::after;
     use super::*;
-    use crate::estimator::Estimator;
-    use crate::estimator::field::{FieldEstimator, Tuning};
-    use crate::frame::{Aiding, Frame};
+    use crate::frame::Aiding;
     use crate::simulation::Scenario;
-    use crate::source::FrameSource;
-    use crate::time::Time;
 
     /// After three minutes of scenes, K, of the horizontal four and of what looks up and down.
     fn shown(level_k: f64, up_k: f64, down_k: f64) -> f64 {
@@ -141,18 +115,13 @@ mod tests {
     fn fields_lie_on_the_ground_and_clouds_do_not() {
         for (scene, lowest, highest) in [("patchwork", 0.8, 1.0), ("warm-side", 0.8, 1.0), ("scattered", LEAST, 0.4)] {
             for aided in [false, true] {
-                let scenario = Scenario::named(scene).unwrap();
-                let (mut source, head) = (scenario.source(32), scenario.head());
-                let mut e = FieldEstimator::new(&head, scenario.field(), Tuning::default());
-                let mut frame = Frame::new(head.sensors.len());
-                for i in 0..6000 {
-                    source.scan(Time::from_secs_f64(100.0 + f64::from(i) * 0.02), &mut frame);
+                let share = after(&Scenario::named(scene).unwrap(), 32, 6000, |frame| {
                     if !aided {
                         frame.aiding = Aiding::default();
                     }
-                    e.update(&frame);
-                }
-                let share = e.state.beneath;
+                })
+                .state
+                .beneath;
                 let expected = if aided { lowest..=highest } else { LEAST..=LEAST };
                 assert!(expected.contains(&share), "{scene}, aided {aided}: {share}");
             }

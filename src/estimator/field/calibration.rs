@@ -79,22 +79,15 @@ impl FieldEstimator {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Tuning;
+    use super::super::tests::after;
     use super::*;
-    use crate::estimator::Estimator;
-    use crate::frame::{Frame, Sample, Value};
+    use crate::frame::{Sample, Value};
     use crate::simulation::scenario::Scenario;
-    use crate::source::FrameSource;
-    use crate::time::Time;
 
     /// Some minutes with sensors that show so much too much, K.
     fn flown((scene, minutes): (&str, u32), errors_k: [f64; 6], gyro: bool) -> FieldEstimator {
         let scenario = Scenario::named(scene).unwrap().lasting(60.0 * f64::from(minutes));
-        let (mut source, head) = (scenario.source(23), scenario.head());
-        let mut e = FieldEstimator::new(&head, scenario.field(), Tuning::default());
-        let mut frame = Frame::new(head.sensors.len());
-        for i in 0..minutes * 60 * 50 {
-            source.scan(Time::from_secs_f64(100.0 + f64::from(i) * 0.02), &mut frame);
+        after(&scenario, 23, minutes * 60 * 50, |frame| {
             for (reading, error_k) in frame.readings.iter_mut().zip(errors_k) {
                 if let Ok(Sample { value: Value::Absolute { object_c, .. }, .. }) = reading {
                     *object_c += error_k;
@@ -103,9 +96,7 @@ mod tests {
             if !gyro {
                 frame.aiding.gyro_deg_s = [None; 3];
             }
-            e.update(&frame);
-        }
-        e
+        })
     }
 
     const CLEAR: (&str, u32) = ("clear-dry", 5);

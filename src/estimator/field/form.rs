@@ -150,27 +150,19 @@ impl FieldEstimator {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::after;
     use super::*;
-    use crate::estimator::Estimator;
-    use crate::frame::{Aiding, Frame};
+    use crate::frame::Aiding;
     use crate::simulation::Scenario;
     use crate::sky::FieldOfView;
-    use crate::source::FrameSource;
 
     /// After two minutes and a half with sensors that see so; whether an autopilot is heard.
     fn flown(name: &str, seeing: FieldOfView, aided: bool) -> FieldEstimator {
-        let scenario = Scenario::named(name).unwrap().seeing(seeing);
-        let (mut source, head) = (scenario.source(15), scenario.head());
-        let mut e = FieldEstimator::new(&head, scenario.field(), Tuning::default());
-        let mut frame = Frame::new(head.sensors.len());
-        for i in 0..7500 {
-            source.scan(Time::from_secs_f64(100.0 + f64::from(i) * 0.02), &mut frame);
+        after(&Scenario::named(name).unwrap().seeing(seeing), 15, 7500, |frame| {
             if !aided {
                 frame.aiding = Aiding::default();
             }
-            e.update(&frame);
-        }
-        e
+        })
     }
 
     const SAID: FieldOfView = FieldOfView::Gaussian { fwhm_deg: 90.0 };

@@ -143,16 +143,22 @@ fn a_sensor_that_stops_pulls_nothing_along() {
     }
 }
 
-/// An estimator that has flown for 5 s, and readings that are what it expects.
-fn flown() -> (FieldEstimator, [Option<f64>; MAX_SENSORS]) {
-    let scenario = Scenario::named("clear-dry").unwrap().lasting(60.0);
-    let mut source = scenario.source(5);
-    let mut e = FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default());
-    let mut frame = Frame::new(6);
-    for i in 0..250 {
+/// An estimator that has flown `scenario` from `seed` for so many frames, which `spoil` may change.
+pub fn after(scenario: &Scenario, seed: u64, frames: u32, mut spoil: impl FnMut(&mut Frame)) -> FieldEstimator {
+    let (mut source, head) = (scenario.source(seed), scenario.head());
+    let mut e = FieldEstimator::new(&head, scenario.field(), Tuning::default());
+    let mut frame = Frame::new(head.sensors.len());
+    for i in 0..frames {
         source.scan(Time::from_secs_f64(100.0 + f64::from(i) * 0.02), &mut frame);
+        spoil(&mut frame);
         e.update(&frame);
     }
+    e
+}
+
+/// An estimator that has flown for 5 s, and readings that are what it expects.
+fn flown() -> (FieldEstimator, [Option<f64>; MAX_SENSORS]) {
+    let e = after(&Scenario::named("clear-dry").unwrap().lasting(60.0), 5, 250, |_| {});
     let expected = std::array::from_fn(|i| (i < 6).then(|| e.state.x[SEEN + i]));
     (e, expected)
 }
