@@ -3,17 +3,18 @@
 fly.py SCENE SEED
 
 Flat world, hand-flown banks to 50 degrees and turbulence, six sensors with a Gaussian field of view of 90 degrees, a first-order
-lag of 0.1 s, noise of 0.08 K and steps of 0.02 K; a gyro with a bias, GPS and airspeed five times a second, wind. What a sensor
-sees goes by its elevation alone, so tables do. The standard library is enough.
+lag, noise of 0.08 K and steps of 0.02 K; a gyro with a bias, GPS and airspeed five times a second, wind. What a sensor sees goes
+by its elevation, and by how far off its axis each cloud is, so tables do. How lively the flights are and how thick the clouds was
+settled by what peers' schemes have in them: see the test. The standard library is enough.
 """
 
 import math
 import random
 import sys
+from typing import Callable, NamedTuple
 
 STEP_S = 0.02
 FRAMES = 5500
-LAG_S = 0.1
 NOISE_K = 0.08
 WIDTH = math.radians(90.0)
 ROWS = 181
@@ -33,14 +34,35 @@ def grey(depth, deficit):
     return lambda sine: deficit * math.exp(-depth / max(sine, 1e-6))
 
 
-# Scene: the sky, whether sensors average radiance, how many kelvin warmer one side is in the sky and on the ground.
+class Scene(NamedTuple):
+    sky: Callable[[float], float]
+    radiance: bool = False
+    """Sensors average the fourth power."""
+    warm_sky: float = 0.0
+    """Kelvin either way from the mean, from one side to the other; so of the ground."""
+    warm_ground: float = 0.0
+    clouds: int = 0
+    cloud_left: float = 1.0
+    """The share of contrast left after 1.5 s of flying into cloud, after a third of the flight."""
+    lag_s: float = 0.1
+
+
 SCENES = {
-    "dry": (grey(0.25, 52.0), True, 0.0, 0.0),
-    "report": (exponential(5.5, 40.0), False, 0.0, 0.0),
-    "overcast": (grey(0.3, 11.5), False, 0.0, 0.0),
-    "warm-sky": (grey(0.25, 52.0), False, 2.5, 0.0),
-    "warm-ground": (grey(0.25, 52.0), False, 0.0, 2.5),
+    "dry": Scene(grey(0.25, 52.0), radiance=True),
+    "humid": Scene(grey(0.8, 75.0)),
+    "report": Scene(exponential(5.5, 40.0)),
+    "overcast": Scene(grey(1.4, 32.0)),
+    "clouds": Scene(grey(0.25, 52.0), clouds=20),
+    "warm-sky": Scene(grey(0.25, 52.0), warm_sky=2.8),
+    "warm-ground": Scene(grey(0.25, 52.0), warm_ground=2.5),
+    "into-cloud": Scene(grey(0.25, 52.0), cloud_left=0.25),
+    "lag": Scene(grey(0.25, 52.0), lag_s=0.3),
 }
+
+
+def bell(off):
+    """How well a sensor sees what lies so far off its axis."""
+    return math.exp(-4.0 * math.log(2.0) * (off / WIDTH) ** 2)
 
 
 def tables(sky, radiance):
@@ -50,7 +72,7 @@ def tables(sky, radiance):
     rays = []
     for i in range(rings):
         off = (i + 0.5) / rings * math.pi / 2.0
-        weight = math.sin(off) * math.exp(-4.0 * math.log(2.0) * (off / WIDTH) ** 2)
+        weight = math.sin(off) * bell(off)
         for j in range(spokes):
             round_ = (j + 0.5) / spokes * 2.0 * math.pi
             rays.append((weight, math.cos(off), math.sin(off) * math.cos(round_)))
@@ -83,12 +105,12 @@ def smooth(values, time_s):
     return result
 
 
-def flown(dice, angles, rest, times, gust, gust_s):
+def flown(dice, angles, times, gust, gust_s):
     """Degrees: one angle after the other, flown as a hand would, and turbulence."""
     commands = []
     while len(commands) < FRAMES:
         commands += [dice.choice(angles)] * int(dice.uniform(4.0, 10.0) / STEP_S)
-    commands = [c + rest for c in commands[:FRAMES]]
+    commands = commands[:FRAMES]
     for time_s in times:
         commands = smooth(commands, time_s)
     keep, state, air = math.exp(-STEP_S / gust_s), 0.0, []
@@ -105,19 +127,34 @@ def slopes(values):
     return [(values[b] - values[a]) / (STEP_S * (b - a)) for a, b in between]
 
 
-def main(scene, seed):
-    sky, radiance, warm_sky, warm_ground = SCENES[scene]
-    dice = random.Random(f"{scene} {seed}")
-    table = tables(sky, radiance)
-    roll = flown(dice, (0, 0, 20, -20, 35, -35, 50, -50), 0.0, (0.5, 0.4), 4.0, 0.6)
-    pitch = flown(dice, (0, 0, 5, -5, 10), 0.0, (0.7, 0.5), 2.5, 0.8)
+def cumulus(dice, scene):
+    """Small clouds: where each stands (north, east, up), and how many kelvin warmer one looks that is straight ahead."""
+    offs = [(i + 0.5) / 1000 * math.pi / 2.0 for i in range(1000)]
+    whole = sum(2.0 * math.pi * math.sin(off) * bell(off) for off in offs) * math.pi / 2000
+    result = []
+    for _ in range(scene.clouds):
+        elevation, azimuth = math.radians(dice.uniform(10.0, 60.0)), dice.uniform(0.0, 2.0 * math.pi)
+        up, level = math.sin(elevation), math.cos(elevation)
+        large = math.pi * math.radians(dice.uniform(5.0, 11.0)) ** 2
+        result.append((level * math.cos(azimuth), level * math.sin(azimuth), up, 0.5 * scene.sky(up) * large / whole))
+    return result
+
+
+def main(name, seed):
+    scene = SCENES[name]
+    dice = random.Random(f"{name} {seed}")
+    table = tables(scene.sky, scene.radiance)
+    roll = flown(dice, (0, 0, 0, 0, 15, -15, 30, -30, 45, -45), (0.7, 0.6), 2.3, 1.0)
+    pitch = flown(dice, (0, 0, 5, -5), (0.7, 0.5), 1.2, 1.0)
     speed, heading, yaw = dice.uniform(14.0, 25.0), dice.uniform(0.0, 2.0 * math.pi), []
     for angle in roll:
         heading += 9.80665 * math.tan(angle) / speed * STEP_S
         yaw.append(heading)
     warm = dice.uniform(0.0, 2.0 * math.pi)
+    clouds = cumulus(dice, scene)
     seen = [[] for _ in NAMES]
-    for phi, theta, psi in zip(roll, pitch, yaw):
+    for i, (phi, theta, psi) in enumerate(zip(roll, pitch, yaw)):
+        left = 1.0 + (scene.cloud_left - 1.0) * max(0.0, min(1.0, (i - FRAMES / 3) * STEP_S / 1.5))
         (sp, cp), (st, ct), (sy, cy) = ((math.sin(a), math.cos(a)) for a in (phi, theta, psi))
         north = (ct * cy, sp * st * cy - cp * sy, cp * st * cy + sp * sy)
         east = (ct * sy, sp * st * sy + cp * cy, cp * st * sy - sp * cy)
@@ -129,8 +166,11 @@ def main(scene, seed):
             part = place - low
             kelvin, above, below = (a + part * (b - a) for a, b in zip(table[low], table[low + 1]))
             side = math.cos(math.atan2(e, n) - warm)
-            values.append(kelvin + side * (warm_sky * above + warm_ground * below))
-    seen = [[round((v + dice.gauss(0.0, NOISE_K)) / 0.02) * 0.02 for v in smooth(values, LAG_S)] for values in seen]
+            kelvin += side * (scene.warm_sky * above + scene.warm_ground * below)
+            for to_north, to_east, up, ahead in clouds:
+                kelvin += ahead * bell(math.acos(max(-1.0, min(1.0, n * to_north + e * to_east - d * up))))
+            values.append(GROUND_C + left * (kelvin - GROUND_C))
+    seen = [[round((v + dice.gauss(0.0, NOISE_K)) / 0.02) * 0.02 for v in smooth(values, scene.lag_s)] for values in seen]
     rates = ([], [], [])
     for phi, theta, dphi, dtheta, dpsi in zip(roll, pitch, slopes(roll), slopes(pitch), slopes(yaw)):
         rates[0].append(dphi - dpsi * math.sin(theta))
