@@ -74,7 +74,7 @@ fn another_form() {
         for ((seen, form), limit) in forms.into_iter().zip(limits) {
             let scenario = scenario(name).seeing(seen);
             let flights = Flown::all(&scenario, 8);
-            for (aided, limit) in [(false, 1.9), (true, limit)] {
+            for (aided, limit, under) in [(false, 1.9, 1.7), (true, limit, 1.5)] {
                 let make = || said(FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default()));
                 let score = score(&flights, hear(aided), make);
                 let reached = [score.roll_rms_deg, score.pitch_rms_deg];
@@ -83,7 +83,7 @@ fn another_form() {
                 println!("{name}, {form}, aided {aided}: {reached:.2?}, {less:.2?}, within 2 sigma {covered:.1?} %");
                 assert!(reached.iter().all(|r| r.is_some_and(|r| r <= limit)), "{reached:?}");
                 assert!(covered.iter().all(|c| c.is_some_and(|c| c >= 85.0)), "{covered:?}");
-                assert!(less.is_some_and(|less| less <= 1.5), "{less:?}");
+                assert!(less.is_some_and(|less| less <= under), "{less:?}");
             }
         }
     }
