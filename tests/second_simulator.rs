@@ -33,37 +33,31 @@ fn scored(recording: &str, options: &[&str]) -> (Figures, [f64; 2]) {
     (NAMES.map(number), ["roll_in_2_sigma_percent", "pitch_in_2_sigma_percent"].map(number))
 }
 
-/// What the plain vector of the three pairs makes of a recording: roll `atan2(y, z)`, pitch `asin(x / length)`.
-fn full_vector(recording: &str) -> Figures {
+/// Roll and pitch, rms, °, of what the plain vector of the three pairs makes of a recording: `atan2(y, z)`, `asin(x / length)`.
+fn full_vector(recording: &str) -> [f64; 2] {
     let text = fs::read_to_string(recording).unwrap();
     let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
     let sensors = ["nose", "tail", "left", "right", "up", "down"].map(|name| format!("{name}_obj_c"));
     let wanted = sensors.iter().map(String::as_str).chain(["ref_roll_deg", "ref_pitch_deg"]);
     let columns: Vec<usize> = wanted.map(|name| header.iter().position(|h| *h == name).unwrap()).collect();
-    let (mut squares, mut larger, mut under) = ([0.0; 2], Vec::new(), Vec::new());
+    let (mut squares, mut count) = ([0.0; 2], 0.0);
     for line in text.lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
         let value = |i: usize| -> f64 { cells[columns[i]].parse().unwrap() };
         let (x, y, z) = (value(1) - value(0), value(3) - value(2), value(5) - value(4));
-        let roll = y.atan2(z).to_degrees();
-        let pitch = (x / (x * x + y * y + z * z).sqrt()).asin().to_degrees();
-        let errors = [roll - value(6), pitch - value(7)];
-        squares.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error * error);
-        larger.push(errors[0].abs().max(errors[1].abs()));
-        if value(6).abs() > 20.0 {
-            under.push((value(6).abs() - roll.abs()).max(0.0));
-        }
+        let said = [y.atan2(z), (x / (x * x + y * y + z * z).sqrt()).asin()];
+        squares
+            .iter_mut()
+            .zip(said)
+            .enumerate()
+            .for_each(|(i, (sum, a))| *sum += (a.to_degrees() - value(6 + i)).powi(2));
+        count += 1.0;
     }
-    let [roll, pitch] = squares.map(|sum| (sum / larger.len() as f64).sqrt());
-    let [error, under] = [larger, under].map(|mut errors| {
-        errors.sort_by(f64::total_cmp);
-        errors[errors.len() * 99 / 100]
-    });
-    [roll, pitch, error, under]
+    squares.map(|sum| (sum / count).sqrt())
 }
 
 /// The root mean square of each figure.
-fn pooled(flights: &[Figures]) -> Figures {
+fn pooled<const N: usize>(flights: &[[f64; N]]) -> [f64; N] {
     std::array::from_fn(|i| (flights.iter().map(|f| f[i] * f[i]).sum::<f64>() / flights.len() as f64).sqrt())
 }
 
