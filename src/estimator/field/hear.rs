@@ -81,6 +81,7 @@ impl FieldEstimator {
             gyro: self.turning(),
             proven: self.turns.proven(),
             usual_k: self.scene.usual_k(),
+            even: self.scene.is_even(),
             noise_k: self.noise.variance().sqrt(),
             ambient_c: self.ambient_c,
             lag_s: self.tuning.lag_s * s.x[LAG].clamp(-2.0, 2.0).exp(),

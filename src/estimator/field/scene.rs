@@ -14,6 +14,8 @@ const LARGEST_K: f64 = 4.0;
 /// nothing shows what is there still; for so long, s.
 const LATELY_RAD: f64 = 24.0;
 const LATELY_S: f64 = 1200.0;
+/// After this time, s, a sky is even where scenes are usually weaker than so many K.
+const EVEN: (f64, f64) = (10.0, 0.02);
 /// Over this time it is seen how strong scenes usually are, s; what is no stronger than so many times that is nothing new.
 const USUAL_S: f64 = 60.0;
 const NEW: f64 = 1.5;
@@ -150,6 +152,11 @@ impl SceneStrength {
     /// The size of what has usually been seen of them, K.
     pub fn usual_k(&self) -> f64 {
         self.usual_k
+    }
+
+    /// Whether it has been looked at for long enough, and hardly any has been seen.
+    pub fn is_even(&self) -> bool {
+        self.averaged_s > EVEN.0 && self.usual_k < EVEN.1
     }
 
     /// The size of what has lately been seen of them, K: what is usual is there still while nothing shows it.

@@ -5,8 +5,8 @@ use super::filter::Testimony;
 use super::follow::Follow;
 use crate::estimator::Standing;
 
-/// From this sum of surprises on a sensor is doubted.
-const DOUBT: f64 = 8.0;
+/// From this sum of surprises on a sensor is doubted; and under an even sky.
+const DOUBT: [f64; 2] = [8.0, 4.0];
 /// A reading this far from what the others say, K, as a share of the contrast and in standard deviations, may be
 /// its sensor's matter,
 const APART: (f64, f64, f64) = (0.5, 0.02, 2.5);
@@ -145,9 +145,9 @@ impl Case {
         self.standing == Standing::LeftOut && self.is_back && !self.guilty
     }
 
-    /// Whether it surprises, and is as far from what the others say.
-    pub fn is_suspect(&self) -> bool {
-        self.standing != Standing::LeftOut && self.surprise > DOUBT && self.near_s == 0.0
+    /// Whether it surprises, and is as far from what the others say; under an `even` sky less does.
+    pub fn is_suspect(&self, even: bool) -> bool {
+        self.standing != Standing::LeftOut && self.surprise > DOUBT[usize::from(even)] && self.near_s == 0.0
     }
 
     /// Whether it is far enough off, and the others agree, for it to be left out.

@@ -43,7 +43,7 @@ impl Witnesses {
             return self.restart();
         }
         // Once one is suspect all are as surprising that might be the cause as well.
-        let most = cases.iter().filter(|c| c.is_suspect()).map(|c| c.surprise).reduce(f64::max);
+        let most = cases.iter().filter(|c| c.is_suspect(self.even)).map(|c| c.surprise).reduce(f64::max);
         let most = most.unwrap_or(f64::INFINITY);
         // Where not to hear any of several is worth as much, the witness who hears all has lost its way: at a wall, in a valley.
         let worth = |c: &&Case| c.standing != Standing::LeftOut && c.surprise > COMMON.1 * most;

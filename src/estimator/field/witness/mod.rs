@@ -42,8 +42,9 @@ const BOUNDS: (f64, f64) = (-5.0, 300.0);
 const SHAPE_S: f64 = 5.0;
 /// As many sensors must be heard for one to be doubted.
 const FEWEST: usize = 5;
-/// A scene's least size, K and as a share of the contrast.
+/// A scene's least size, K and as a share of the contrast; and under an even sky, where a film is seen the sooner.
 const SCENE: (f64, f64) = (0.25, 0.005);
+const EVEN_SCENE: (f64, f64) = (0.1, 0.002);
 /// Scenes that have become so many times stronger than they usually are may be what one sensor does.
 const NEW: f64 = 2.0;
 /// Walks of ground, K, and contrast, as a share of it, for a second.
@@ -66,6 +67,8 @@ pub struct Known<'a> {
     pub proven: bool,
     /// How strong scenes usually are, K.
     pub usual_k: f64,
+    /// Whether hardly any has been seen, for long enough.
+    pub even: bool,
     /// Noise of a reading, K.
     pub noise_k: f64,
     /// The sensors' time constant, s.
@@ -101,6 +104,8 @@ pub struct Witnesses {
     /// The sky's shape: the logarithm of its depth, how much is averaged in radiance, the field of view; the size of scenes, K;
     /// how much the body turns without a gyro.
     shape: [f64; 9],
+    /// Whether the sky is even, and no gyro tells of turns.
+    even: bool,
 }
 
 impl Witnesses {
@@ -195,8 +200,11 @@ impl Witnesses {
 
     fn step(&mut self, model: &Model, t: &Tuning, known: &Known<'_>, window: &Window) {
         let n = model.sensors();
-        let own_k =
-            known.pace.scene_k2.sqrt().min(NEW * known.usual_k).max(SCENE.0).max(SCENE.1 * known.sky.contrast_k.abs());
+        // Beside a gyro no film is taken for a turn meanwhile, and a wall must not be taken for a film.
+        self.even = known.gyro.is_none() && known.even;
+        let (least_k, share) = if self.even { EVEN_SCENE } else { SCENE };
+        let least_k = least_k.max(share * known.sky.contrast_k.abs());
+        let own_k = known.pace.scene_k2.sqrt().min(NEW * known.usual_k).max(least_k);
         let [roll, pitch, yaw] = known.pace.rate;
         let [spread, one, other] = known.sky.view;
         let now = [known.sky.ln_depth, known.sky.radiance, spread, one, other, own_k, roll, pitch, yaw];

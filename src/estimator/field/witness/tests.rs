@@ -48,6 +48,7 @@ struct Court {
     scan: u32,
     pace: Pace,
     usual_k: f64,
+    even: bool,
     ambient_c: [Option<f64>; MAX_SENSORS],
 }
 
@@ -63,6 +64,7 @@ impl Court {
             scan: 0,
             pace: PACE,
             usual_k: 0.1,
+            even: false,
             ambient_c: [None; MAX_SENSORS],
         }
     }
@@ -97,6 +99,7 @@ impl Court {
                 gyro,
                 proven: gyro.is_some(),
                 usual_k: self.usual_k,
+                even: self.even,
                 noise_k: 0.085,
                 lag_s: 0.0,
                 ambient_c: self.ambient_c,
@@ -298,6 +301,28 @@ fn what_is_no_number_begins_anew_and_convicts_nobody() {
     }
 }
 
+/// What grows on one sensor, 1 K a second: how much it is when none but that is not heard.
+fn doubted_at_k(even: bool, gyro: bool) -> f64 {
+    let mut court = Court::of(6, gyro);
+    court.even = even;
+    court.hear(20.0, |_| {});
+    (1..=300)
+        .map(|scan| f64::from(scan) * 0.02)
+        .find(|k| {
+            court.hear(0.02, off(&[1], *k));
+            court.witnesses.standing(1) != Standing::Heard
+        })
+        .unwrap()
+}
+
+#[test]
+fn under_an_even_sky_a_film_is_doubted_sooner_without_a_gyro() {
+    let [even, uneven] = [true, false].map(|even| doubted_at_k(even, false));
+    assert!(even < 0.8 * uneven, "{even} K, {uneven} K");
+    // Beside one a wall must not be taken for a film.
+    assert_eq!(doubted_at_k(true, true), doubted_at_k(false, true));
+}
+
 #[test]
 fn without_readings_without_sensors_and_with_gaps_nothing_is_decided() {
     for count in [0, 1, 6] {
@@ -310,6 +335,7 @@ fn without_readings_without_sensors_and_with_gaps_nothing_is_decided() {
             gyro: None,
             proven: false,
             usual_k: 0.1,
+            even: false,
             noise_k: 0.085,
             lag_s: 0.0,
             ambient_c: [None; MAX_SENSORS],
