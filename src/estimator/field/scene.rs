@@ -195,6 +195,13 @@ mod tests {
     }
 
     #[test]
+    fn a_sky_is_even_once_it_has_been_looked_at_and_nothing_was_there() {
+        let after = |averaged_s, usual_k| SceneStrength { averaged_s, ..seeing(0.01, usual_k) }.is_even();
+        assert!(after(11.0, 0.015) && !after(9.0, 0.015), "not known at first");
+        assert!(!after(11.0, 0.03));
+    }
+
+    #[test]
     fn what_was_seen_lately_is_there_still() {
         assert_eq!([seeing(0.2, 0.5).lately_k(), seeing(0.5, 0.2).lately_k()], [0.5; 2]);
     }

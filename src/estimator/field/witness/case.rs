@@ -6,7 +6,8 @@ use super::follow::Follow;
 use crate::estimator::Standing;
 
 /// From this sum of surprises on a sensor is doubted; and under an even sky.
-const DOUBT: [f64; 2] = [8.0, 4.0];
+const DOUBT: f64 = 8.0;
+const EVEN_DOUBT: f64 = 4.0;
 /// A reading this far from what the others say, K, as a share of the contrast and in standard deviations, may be
 /// its sensor's matter,
 const APART: (f64, f64, f64) = (0.5, 0.02, 2.5);
@@ -147,7 +148,8 @@ impl Case {
 
     /// Whether it surprises, and is as far from what the others say; under an `even` sky less does.
     pub fn is_suspect(&self, even: bool) -> bool {
-        self.standing != Standing::LeftOut && self.surprise > DOUBT[usize::from(even)] && self.near_s == 0.0
+        let doubt = if even { EVEN_DOUBT } else { DOUBT };
+        self.standing != Standing::LeftOut && self.surprise > doubt && self.near_s == 0.0
     }
 
     /// Whether it is far enough off, and the others agree, for it to be left out.
