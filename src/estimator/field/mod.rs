@@ -17,7 +17,7 @@
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `turns`: whether they turn as
 //!   is seen; `askew`: a gyro whose axes are not the head's; `rest`: whether what is seen moves;
 //! - `aid`: the slow references; `reference_noise`: how much these are off;
-//! - `unheard`: what a sensor left out might have been right about;
+//! - `unheard`: what a sensor left out might have been right about; `misjudged`: whether it was right;
 //! - `output`: angles and standard deviations.
 
 mod aid;
@@ -38,6 +38,7 @@ mod hear;
 mod hint;
 mod lean;
 mod manoeuvre;
+mod misjudged;
 mod model;
 mod moved;
 mod noise;
@@ -164,6 +165,8 @@ pub struct FieldEstimator {
     lost_s: f64,
     /// The variance of how much is averaged in radiance, while that cannot be told.
     averaging: Option<f64>,
+    /// For how long, with a sensor left out, the others have told of what is no sky, s.
+    astray_s: f64,
     /// For how long one reading has been far from what it was predicted, s.
     glitch_s: f64,
     /// Without a gyro, whether one begins.
@@ -227,6 +230,7 @@ impl FieldEstimator {
             form: Form::default(),
             lost_s: 0.0,
             averaging: None,
+            astray_s: 0.0,
             glitch_s: 0.0,
             manoeuvre: Manoeuvre::default(),
             turned: 0.0,
@@ -365,6 +369,11 @@ impl Estimator for FieldEstimator {
         if contradicted {
             self.unlearn();
         }
+        let misjudged = self.misjudged(dt_s);
+        if misjudged {
+            self.astray_s = 0.0;
+            self.witnesses.acquit();
+        }
         if self.gyro.update(&frame.aiding, now, dt_s, self.turns.contradict()) {
             self.set_rates();
         }
@@ -380,7 +389,7 @@ impl Estimator for FieldEstimator {
         // A wall is still there when it begins anew.
         let hides = if lost { self.may_hide() } else { 0.0 };
         self.hidden_before = hides.max(self.hidden_before * (-dt_s.max(0.0) / HIDDEN_S).exp());
-        if lost || contradicted || !(0.0..GAP_S).contains(&dt_s) {
+        if lost || contradicted || misjudged || !(0.0..GAP_S).contains(&dt_s) {
             let begun = self.begin(&self.lately(&readings, now), now);
             if begun {
                 self.consider_averaging(now);

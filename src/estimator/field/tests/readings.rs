@@ -75,3 +75,22 @@ fn pairs_may_be_noisier_than_expected() {
     });
     assert!(off > 0.0 && off < 0.6, "{off}°");
 }
+
+/// One that is off by 20 K is left out; that the others see by what is no sky's, for two seconds, speaks for it, but not where
+/// all are heard.
+#[test]
+fn what_is_left_out_is_heard_again_where_the_others_tell_of_no_sky() {
+    let scenario = Scenario::named("clear-dry").unwrap();
+    for (off_k, acquitted) in [(20.0, true), (0.0, false)] {
+        let mut filter = after(&scenario, 3, 500, |f| {
+            f.aiding = Aiding::default();
+            add_k(f, 1, off_k);
+        });
+        let standing = if off_k > 0.0 { Standing::LeftOut } else { Standing::Heard };
+        assert_eq!(filter.hearing(1).standing, standing);
+        assert!((0..500).all(|_| !filter.misjudged(0.02)), "all is well");
+        filter.state.x[state::VIEW] = -1.5;
+        assert!((0..95).all(|_| !filter.misjudged(0.02)), "for 1.9 s");
+        assert_eq!((0..10).any(|_| filter.misjudged(0.02)), acquitted);
+    }
+}

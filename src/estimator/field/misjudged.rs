@@ -1,0 +1,25 @@
+//! Whether the wrong sensor was left out: the sky that the others tell of is none then.
+//!
+//! Five sensors of which one is wrong are explained by an attitude and a sky that go ever farther with what that one shows.
+//! What they must be taken to see by shows it first: it is known well before, and a sky of any shape asks for little of it.
+
+use super::FieldEstimator;
+use super::state::VIEW;
+use crate::estimator::Standing;
+
+/// So many standard deviations from what they are said to see by is no sky's.
+const FAR: f64 = 3.0;
+/// For so long, s: what is found at a wall, or in a turn, comes and goes.
+const FAR_S: f64 = 2.0;
+
+impl FieldEstimator {
+    /// Whether, `dt_s` after the last frame, what was said against sensors is to be taken back: one is left out, and those that
+    /// are heard have told of no sky for long enough. Beside a gyro that would show in the turns.
+    pub(super) fn misjudged(&mut self, dt_s: f64) -> bool {
+        let left_out = (0..self.model.sensors()).any(|i| self.witnesses.standing(i) == Standing::LeftOut);
+        let far = self.state.x[VIEW].abs() > FAR * self.tuning.spread;
+        let astray = far && left_out && !self.gyro.in_use();
+        self.astray_s = if astray { self.astray_s + dt_s.clamp(0.0, 1.0) } else { 0.0 };
+        self.astray_s > FAR_S
+    }
+}
