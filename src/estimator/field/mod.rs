@@ -17,7 +17,7 @@
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `turns`: whether they turn as
 //!   is seen; `askew`: a gyro whose axes are not the head's; `rest`: whether what is seen moves;
 //! - `aid`: the slow references; `reference_noise`: how much these are off;
-//! - `unheard`: what a sensor left out might have been right about; `misjudged`: whether it was right;
+//! - `unheard`: what a sensor left out might have been right about; `misjudged`: whether it is the wrong one;
 //! - `output`: angles and standard deviations.
 
 mod aid;
@@ -371,7 +371,6 @@ impl Estimator for FieldEstimator {
         }
         let misjudged = self.misjudged(dt_s);
         if misjudged {
-            self.astray_s = 0.0;
             self.witnesses.acquit();
         }
         if self.gyro.update(&frame.aiding, now, dt_s, self.turns.contradict()) {
