@@ -4,7 +4,7 @@
 //! beyond the thermopiles for long is an offset state of its own. None is needed.
 
 use super::lean;
-use super::predict::rates;
+use super::rates::rates;
 use super::reference_noise::ReferenceNoise;
 use super::state::{OFFSET, RATE, State, TURN};
 use super::tuning::Tuning;

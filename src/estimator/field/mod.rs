@@ -6,8 +6,9 @@
 //!
 //! - `state`: the states and their covariance; `tuning`: what the world is taken to be like;
 //! - `model`: what a sensor should show; `start`, `begin`: where the filter begins;
-//! - `hear`: which readings are heard; `witness`: which sensor is not;
-//! - `predict`: from frame to frame; `correct`: what the readings say; `directions`: what they look like;
+//! - `look`: whether there is anything to see; `hear`: which readings are heard; `witness`: which sensor is not;
+//! - `predict`: from frame to frame; `rates`: how fast it turns; `correct`: what the readings say; `directions`: what they
+//!   look like;
 //! - `scene`: how strong the sensors' own scenes are; `beneath`: how much of them lies on the ground; `noise`: how noisy the
 //!   readings are;
 //! - `around`: how far around it has looked; `change`: a scene that comes nearer; `doubt`: one that is found not to be alike
@@ -18,7 +19,7 @@
 //!   is seen; `askew`: a gyro whose axes are not the head's; `rest`: whether what is seen moves;
 //! - `aid`: the slow references; `reference_noise`: how much these are off;
 //! - `unheard`: what a sensor left out might have been right about; `misjudged`: whether it is the wrong one;
-//! - `output`: angles and standard deviations.
+//! - `solution`: what is said of the attitude; `output`: angles and standard deviations.
 
 mod aid;
 mod around;
@@ -37,6 +38,7 @@ mod gyro;
 mod hear;
 mod hint;
 mod lean;
+mod look;
 mod manoeuvre;
 mod misjudged;
 mod model;
@@ -44,9 +46,11 @@ mod moved;
 mod noise;
 mod output;
 mod predict;
+mod rates;
 mod reference_noise;
 mod rest;
 mod scene;
+mod solution;
 mod start;
 mod state;
 mod stuck;
@@ -59,11 +63,10 @@ pub use state::MAX_SENSORS;
 pub use tuning::Tuning;
 
 use super::contrast_vector::ContrastSolver;
-use super::guard::guard;
-use super::sides::{Sides, TELLING_K};
-use super::vector::{Vector, dot, length};
+use super::sides::Sides;
+use super::vector::{Vector, dot};
 use super::whiteness::Whiteness;
-use super::{Estimator, PAIR_SLOPE, Solution, Standing};
+use super::{Estimator, Solution};
 use crate::attitude::Attitude;
 use crate::frame::Frame;
 use crate::head::Head;
@@ -81,8 +84,8 @@ use manoeuvre::Manoeuvre;
 use model::Model;
 use moved::Moved;
 use noise::NoiseLevel;
-use output::{attitude, moving};
-use predict::{Pace, correction, predict, rates};
+use predict::{Pace, predict};
+use rates::{correction, rates};
 use scene::SceneStrength;
 use state::{CONTRAST, State};
 use stuck::Stuck;
@@ -98,12 +101,6 @@ const CARRIED_S: (f64, f64) = (0.1, 1.0);
 const LOST_S: f64 = 0.5;
 /// What the scene might hide before that fades in this time, s.
 const HIDDEN_S: f64 = 10.0;
-/// The least bank by which it turns where no gyro tells, rad.
-const LEAST_BANK: f64 = 10_f64.to_radians();
-/// After so long without a contrast to see by the filter begins anew when it is back, s.
-const BLIND_S: f64 = 0.3;
-/// For so long after a frame that showed none one in which not all are heard tells nothing of it.
-const NOTHING_S: f64 = 1.0;
 
 /// The estimator of method `field`. For absolute sensors, five at least; pairs' channels are taken as
 /// they come, three at least.
@@ -252,93 +249,36 @@ impl FieldEstimator {
         if self.model.is_absolute() { (5, 4) } else { (3, 3) }
     }
 
-    fn solution(&self) -> Solution {
-        let (mut attitude, own, at_rest) = attitude(&self.state);
-        let contrast_k = self.state.x[CONTRAST];
-        // A warm side looks like an attitude where nothing else tells of that; that there is one shows elsewhere.
-        let t = &self.tuning;
-        let (least_k, most_k) = if self.told {
-            let unseen_k = if self.model.shows_scenes() { 0.0 } else { 2.0 * t.unlike_side_k.1 };
-            let side_k = self.scene.unlike() * t.unlike_side_k.1;
-            (side_k, side_k.max(self.scene.unlike() * t.hidden.1 * self.scene.seen_k()).max(unseen_k))
-        } else {
-            let lately = self.scene.lately_unlike();
-            let side_k = lately * t.unlike_side_k.0;
-            (side_k, side_k.max(lately * t.hidden.0 * self.scene.lately_k()))
-        };
-        let poor = self.misfit.excess();
-        let doubted = |own: Attitude, side_k: f64| {
-            let doubt = side_k / (PAIR_SLOPE * contrast_k.abs().max(1.0));
-            let roll = own.roll.hypot(doubt / attitude.pitch.cos().max(0.2));
-            Attitude { roll: poor * roll, pitch: poor * own.pitch.hypot(doubt) }
-        };
-        let unheard = self.unheard(attitude);
-        let late = self.late();
-        let leaning = self.unexpected_lean();
-        // Angles are shown larger by the least doubt, that of the model: more of it, and what the aircraft does, may as
-        // well be on the other side.
-        let (guarded, sigma) = (doubted(at_rest, least_k), doubted(own, most_k));
-        let sigma = [unheard, leaning, late, self.walled(attitude)]
-            .iter()
-            .fold(sigma, |all, one| Attitude { roll: all.roll.hypot(one.roll), pitch: all.pitch.hypot(one.pitch) });
-        attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);
-        attitude.pitch = guard(attitude.pitch, guarded.pitch, std::f64::consts::FRAC_PI_2);
-        Solution {
-            attitude: Some(attitude),
-            sigma,
-            contrast_k: Some(contrast_k),
-            seen_k: self.seen_k.map(|seen_k| [0.0, 0.0, seen_k]),
-            sensors: std::array::from_fn(|i| self.hearing(i)),
-            hidden: Some(self.may_hide()),
-            hint: self.hint(),
+    /// How much moves from this frame to the next.
+    fn pace(&self) -> Pace {
+        Pace {
+            // Where scenes explain what a turn would, calm is not seen either.
+            rate: [0, 1, 1].map(|i: usize| self.rates[i].factor().max(self.scene.unlike())),
+            gyro: [0, 1, 1].map(|i: usize| self.gyro_errors[i].factor()),
+            gyro_walk: self.gyro.walk(),
+            contrast: self.contrast.factor(),
+            scene_k2: self.scene.variance(),
+            scene_change_k2_s: if self.gyro.in_use() { self.change.variance_s() } else { 0.0 },
+            lean_walk: self.lean_walk(),
+            long_unlike: self.scene.long_unlike(),
         }
     }
 
-    /// How far the attitude may be off while it moves, rad: with a gyro's, it is that of the gyro's clock.
-    fn late(&self) -> Attitude {
-        let clock_s = self.tuning.clock_s;
-        let moving = self.turning().map_or_else(Attitude::default, |rates| moving(&self.state, rates));
-        Attitude { roll: clock_s * moving.roll, pitch: clock_s * moving.pitch }
-    }
-
-    /// A gyro's rates as they are by all that is known of it, rad/s on nose, left, up.
-    fn turning(&self) -> Option<Vector> {
-        self.gyro.rates().map(|gyro| rates(&self.state, &self.tuning, Some(gyro)))
-    }
-
-    /// How fast it turns about the vertical, rad/s.
-    fn heading_rate(&self) -> f64 {
-        let up = self.state.vertical();
-        // Without a gyro a turn is what a bank makes, and a small bank may be an error.
-        let turns = self.gyro.in_use() || up[1].abs() > LEAST_BANK.sin();
-        if turns { dot(rates(&self.state, &self.tuning, self.gyro.rates()), up) } else { 0.0 }
-    }
-
-    /// The contrast that this frame alone shows, K; below 0 where ground and sky look exchanged.
-    fn look(&mut self, frame: &Frame, now: Time) {
-        let all_heard = (0..self.model.sensors()).all(|i| self.hearing(i).standing == Standing::Heard);
-        let alone = self.pairs.solve(&self.head, frame).filter(|_| all_heard);
-        if let Some(alone) = alone {
-            self.nothing_at = (length(alone) < TELLING_K).then_some(now);
-        } else if self.nothing_at.is_some_and(|at| now.since(at) < NOTHING_S) {
-            // What is still known is what was made of nothing.
-            self.seen_k = None;
-            return;
-        }
-        let seen = alone.unwrap_or_else(|| self.state.vertical().map(|c| c * self.state.x[CONTRAST]));
-        let sign = self.sides.sign(seen, now);
-        self.seen_k = Some(sign * length(seen));
-        let upright = sign > 0.0 && length(seen) > TELLING_K;
-        // Out of a contrast of nothing ground, sky and attitude may come all upside down.
-        let mirrored = alone.is_some() && upright && dot(seen, self.state.vertical()) < 0.0;
-        if self.blind && upright && length(seen) > 2.0 * TELLING_K {
-            // What was made of nothing is nothing to go on with.
-            (self.blind, self.blind_since, self.last) = (false, None, None);
-        } else if upright && !mirrored {
-            self.blind_since = None;
-        } else if now.since(*self.blind_since.get_or_insert(now)) > BLIND_S {
-            self.blind = true;
-        }
+    /// Carries what is known to a frame at `now`, `dt_s` after the last, and considers what its readings are worth.
+    fn carry(&mut self, readings: &mut [Option<f64>; MAX_SENSORS], now: Time, dt_s: f64) {
+        let pace = self.pace();
+        predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
+        self.turned += dt_s * self.gyro.rates().map_or(0.0, |r| dot(r, self.state.vertical()).abs());
+        self.around.update(dt_s * self.heading_rate(), dt_s);
+        self.tell_lag(dt_s);
+        self.consult(readings, &pace, (now, dt_s));
+        self.leave_out(readings, dt_s);
+        self.consider_averaging(now);
+        self.learn(readings, dt_s);
+        self.doubt_form(readings, now, dt_s);
+        self.doubt(now, dt_s);
+        self.doubt_axes(dt_s);
+        self.calibrate(dt_s);
     }
 }
 
@@ -403,29 +343,7 @@ impl Estimator for FieldEstimator {
         let full = if enough { now } else { full };
         self.last = Some((now, full));
         if dt_s > 0.0 {
-            let pace = Pace {
-                // Where scenes explain what a turn would, calm is not seen either.
-                rate: [0, 1, 1].map(|i: usize| self.rates[i].factor().max(self.scene.unlike())),
-                gyro: [0, 1, 1].map(|i: usize| self.gyro_errors[i].factor()),
-                gyro_walk: self.gyro.walk(),
-                contrast: self.contrast.factor(),
-                scene_k2: self.scene.variance(),
-                scene_change_k2_s: if self.gyro.in_use() { self.change.variance_s() } else { 0.0 },
-                lean_walk: self.lean_walk(),
-                long_unlike: self.scene.long_unlike(),
-            };
-            predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
-            self.turned += dt_s * self.gyro.rates().map_or(0.0, |r| dot(r, self.state.vertical()).abs());
-            self.around.update(dt_s * self.heading_rate(), dt_s);
-            self.tell_lag(dt_s);
-            self.consult(&mut readings, &pace, (now, dt_s));
-            self.leave_out(&mut readings, dt_s);
-            self.consider_averaging(now);
-            self.learn(&readings, dt_s);
-            self.doubt_form(&readings, now, dt_s);
-            self.doubt(now, dt_s);
-            self.doubt_axes(dt_s);
-            self.calibrate(dt_s);
+            self.carry(&mut readings, now, dt_s);
         }
         self.compare_turns(&readings, now);
         self.correct(&readings, dt_s);

@@ -2,15 +2,12 @@
 
 use super::askew;
 use super::model::{Model, Scene};
+use super::rates::{correction, rates, turning};
 use super::state::{
     CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SPAN_K, State, TURN, VIEW,
 };
 use super::tuning::Tuning;
-use crate::estimator::flying::G_M_S2;
 use crate::estimator::vector::{Vector, add_scaled, cross, length, product, rotation, unit};
-
-/// The steepest bank's tangent from which a turn is reckoned.
-const STEEPEST: f64 = 2.0;
 
 /// How much moves, as learnt from the innovations.
 #[derive(Clone, Copy, Debug)]
@@ -82,29 +79,6 @@ pub fn predict(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, gyro: Op
     let lost = (1.0 - rate_keep * rate_keep, 1.0 - scene_keep * scene_keep);
     add_noise(state, sensors, t, dt_s, gyro.map(|_| rate), pace, lost);
     follow(state, model, t, dt_s, rate, &before);
-}
-
-/// What is added to a gyro's rates, or the rates themselves without one.
-pub fn correction(state: &State) -> Vector {
-    [state.x[RATE], state.x[RATE + 1], state.x[RATE + 2]]
-}
-
-/// How fast the body turns, rad/s on (nose, left, up): by a gyro's rates, or by those that are part of the state.
-pub fn rates(state: &State, t: &Tuning, gyro: Option<Vector>) -> Vector {
-    match gyro {
-        Some(gyro) => {
-            let unshown = add_scaled(correction(state), 1.0, askew::unshown(state, gyro));
-            add_scaled(unshown, 1.0, gyro)
-        }
-        // Nothing tells of the heading but the bank.
-        None => add_scaled(correction(state), turning(state.vertical(), t.cruise_m_s), state.vertical()),
-    }
-}
-
-/// The rate about the upward vertical of a coordinated turn, rad/s: clockwise, below 0, with the right
-/// wing down.
-fn turning(up: Vector, speed_m_s: f64) -> f64 {
-    -G_M_S2 / speed_m_s * (up[1] / up[2].abs().max(0.3)).clamp(-STEEPEST, STEEPEST)
 }
 
 /// The core's rows and columns: the turn's error goes round with the body and grows with the rates'.

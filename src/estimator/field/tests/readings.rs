@@ -1,6 +1,7 @@
 //! Readings and body rates as they come: wild, by turns, seldom.
 
 use super::*;
+use crate::estimator::Standing;
 use crate::frame::{Missing, Value};
 
 /// Adds to a reading of an absolute sensor.

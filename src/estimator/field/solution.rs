@@ -1,0 +1,59 @@
+//! What is said of the attitude, with all that it might be wrong by.
+
+use super::FieldEstimator;
+use super::output::{attitude, moving};
+use super::state::CONTRAST;
+use crate::attitude::Attitude;
+use crate::estimator::guard::guard;
+use crate::estimator::{PAIR_SLOPE, Solution};
+
+impl FieldEstimator {
+    pub(super) fn solution(&self) -> Solution {
+        let (mut attitude, own, at_rest) = attitude(&self.state);
+        let contrast_k = self.state.x[CONTRAST];
+        // A warm side looks like an attitude where nothing else tells of that; that there is one shows elsewhere.
+        let t = &self.tuning;
+        let (least_k, most_k) = if self.told {
+            let unseen_k = if self.model.shows_scenes() { 0.0 } else { 2.0 * t.unlike_side_k.1 };
+            let side_k = self.scene.unlike() * t.unlike_side_k.1;
+            (side_k, side_k.max(self.scene.unlike() * t.hidden.1 * self.scene.seen_k()).max(unseen_k))
+        } else {
+            let lately = self.scene.lately_unlike();
+            let side_k = lately * t.unlike_side_k.0;
+            (side_k, side_k.max(lately * t.hidden.0 * self.scene.lately_k()))
+        };
+        let poor = self.misfit.excess();
+        let doubted = |own: Attitude, side_k: f64| {
+            let doubt = side_k / (PAIR_SLOPE * contrast_k.abs().max(1.0));
+            let roll = own.roll.hypot(doubt / attitude.pitch.cos().max(0.2));
+            Attitude { roll: poor * roll, pitch: poor * own.pitch.hypot(doubt) }
+        };
+        let unheard = self.unheard(attitude);
+        let late = self.late();
+        let leaning = self.unexpected_lean();
+        // Angles are shown larger by the least doubt, that of the model: more of it, and what the aircraft does, may as
+        // well be on the other side.
+        let (guarded, sigma) = (doubted(at_rest, least_k), doubted(own, most_k));
+        let sigma = [unheard, leaning, late, self.walled(attitude)]
+            .iter()
+            .fold(sigma, |all, one| Attitude { roll: all.roll.hypot(one.roll), pitch: all.pitch.hypot(one.pitch) });
+        attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);
+        attitude.pitch = guard(attitude.pitch, guarded.pitch, std::f64::consts::FRAC_PI_2);
+        Solution {
+            attitude: Some(attitude),
+            sigma,
+            contrast_k: Some(contrast_k),
+            seen_k: self.seen_k.map(|seen_k| [0.0, 0.0, seen_k]),
+            sensors: std::array::from_fn(|i| self.hearing(i)),
+            hidden: Some(self.may_hide()),
+            hint: self.hint(),
+        }
+    }
+
+    /// How far the attitude may be off while it moves, rad: with a gyro's, it is that of the gyro's clock.
+    pub(super) fn late(&self) -> Attitude {
+        let clock_s = self.tuning.clock_s;
+        let moving = self.turning().map_or_else(Attitude::default, |rates| moving(&self.state, rates));
+        Attitude { roll: clock_s * moving.roll, pitch: clock_s * moving.pitch }
+    }
+}
