@@ -95,6 +95,8 @@ impl Detectors {
         match kind {
             FaultKind::LowContrast | FaultKind::InvertedContrast | FaultKind::Stale => true,
             FaultKind::WetSensor(_) => self.wet.all() || !solved,
+            // It widens the standard deviations; a missed read meanwhile is a missed read.
+            FaultKind::RollDisagrees | FaultKind::PitchDisagrees => false,
             _ => !solved,
         }
     }

@@ -27,7 +27,7 @@ pub enum FaultKind {
     SensorSaturated(usize),
     /// A bus is absent, held, or may not be opened.
     BusDown(usize),
-    /// The newest measurement is too old.
+    /// The newest measurement, or the newest that tells of an attitude, is too old.
     Stale,
 }
 

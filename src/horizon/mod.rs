@@ -43,7 +43,7 @@ pub struct Horizon {
     /// A frame without what cannot be, and that without the sensors that are stuck.
     possible: Frame,
     heard: Frame,
-    /// The airframe's attitude, as the method has it, and its standard deviation.
+    /// The airframe's attitude, as the method had it last, and its standard deviation; none while a fault withholds it.
     last: Option<(Attitude, Attitude)>,
     mounting: Mounting,
     roll_limit: RollLimit,
@@ -128,13 +128,13 @@ impl Horizon {
     ///
     /// An attitude is given only where the method has one and no detector as much as suspects it.
     /// A frame that gives none without being a fault (one missed read) leaves the estimate with its
-    /// old stamp: publishers send nothing new.
+    /// old stamp: publishers send nothing new. Too many of them in a row are `stale`.
     pub fn update(&mut self, frame: &Frame, buses_down: &[Option<Missing>], estimate: &mut Estimate) {
         self.hear(frame);
         let solution = self.estimator.update(&self.heard);
         let trusted = self.detectors.update(&self.possible, &solution, buses_down);
         let left_out = solution.sensors.iter().any(|s| s.standing != Standing::Heard);
-        let doubt = self.detectors.compare(self.last.take().filter(|_| trusted), left_out, frame);
+        let doubt = self.detectors.compare(self.last, left_out, frame);
         estimate.faults.clear();
         self.detectors.report(&mut estimate.faults);
         estimate.residuals_k.clear();
@@ -154,6 +154,13 @@ impl Horizon {
             _ => Verdict::Nothing,
         };
         self.output.update(verdict, frame.time, self.possible.sample_time(), estimate);
+        let stale = estimate.faults.iter().any(|f| f.kind == FaultKind::Stale);
+        if stale {
+            estimate.contrast_k = None;
+        }
+        if stale || verdict == Verdict::Withheld {
+            self.last = None;
+        }
     }
 
     /// Copies a frame without what cannot be, and without the sensors that are stuck.

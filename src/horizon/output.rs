@@ -9,6 +9,7 @@ use super::sigma_limit::SigmaLimit;
 use super::stand_in::Shown;
 use crate::attitude::{Attitude, Estimate, Mode};
 use crate::config::settings::{FaultSettings, OnFault};
+use crate::fault::{ActiveFault, Evidence, FaultKind};
 use crate::time::Time;
 
 /// What estimator and fault detectors make of a frame.
@@ -25,7 +26,7 @@ pub enum Verdict {
         /// There is less behind it than was configured.
         degraded: bool,
     },
-    /// Nothing new, and no reason to take back what was said: one missed read, a first suspicion.
+    /// Nothing new, and no reason to take back what was said, for a while: one missed read, a first suspicion.
     Nothing,
     /// A fault withholds the attitude.
     Withheld,
@@ -36,6 +37,7 @@ pub enum Verdict {
 pub struct Output {
     on_fault: OnFault,
     hold_s: f64,
+    stale_after_s: f64,
     limit: SigmaLimit,
     continuity: Continuity,
     /// What was published last, while something is.
@@ -46,6 +48,10 @@ pub struct Output {
     held_s: f64,
     /// Since when the attitude has been given again.
     trusted_since: Option<Time>,
+    /// When an attitude was last given or withheld; at first, when there might have been one.
+    answered: Option<Time>,
+    /// Neither was done with the last frame.
+    waits: bool,
 }
 
 impl Output {
@@ -54,24 +60,31 @@ impl Output {
         Self {
             on_fault: settings.on_fault,
             hold_s: settings.hold_s,
+            stale_after_s: settings.stale_after_s,
             limit: SigmaLimit::new(settings.sigma_limit_deg),
             continuity: Continuity::default(),
             shown: None,
             given: None,
             held_s: 0.0,
             trusted_since: None,
+            answered: None,
+            waits: false,
         }
     }
 
     /// Takes up what `[faults]` says now.
     pub fn retune(&mut self, settings: &FaultSettings) {
         (self.on_fault, self.hold_s) = (settings.on_fault, settings.hold_s);
+        self.stale_after_s = settings.stale_after_s;
         self.limit.retune(settings.sigma_limit_deg);
     }
 
     /// Takes in the verdict on the frame of time `now`, whose newest measurement is of `sampled`. The faults that it
     /// is based on are in `estimate` already; where the standard deviation alone withholds, that is added to them.
     pub fn update(&mut self, verdict: Verdict, now: Time, sampled: Option<Time>, estimate: &mut Estimate) {
+        if verdict != Verdict::Nothing {
+            (self.answered, self.waits) = (Some(now), false);
+        }
         match verdict {
             Verdict::Given { attitude, sigma, limited, degraded } => {
                 let judged = if limited { Attitude { roll: 0.0, ..sigma } } else { sigma };
@@ -110,9 +123,19 @@ impl Output {
         estimate.sigma = sigma;
     }
 
-    /// Nothing new is said, except that what stands in grows older.
+    /// Nothing new is said, except that what stands in grows older; and what was given is not in force for ever.
     fn wait(&mut self, now: Time, sampled: Option<Time>, estimate: &mut Estimate) {
-        if self.given.is_some() {
+        let since = *self.answered.get_or_insert(now);
+        let age_s = now.since(since);
+        // One missed read is no matter, however seldom there is one.
+        let waited = std::mem::replace(&mut self.waits, true);
+        if self.limit.report(&mut estimate.faults) {
+            self.withhold(now, sampled, estimate);
+        } else if waited && age_s > self.stale_after_s {
+            let evidence = Evidence::Limit { value: age_s, limit: self.stale_after_s, unit: "s" };
+            estimate.faults.push(ActiveFault { kind: FaultKind::Stale, since, evidence });
+            self.withhold(now, sampled, estimate);
+        } else if self.given.is_some() {
             self.withhold(now, sampled, estimate);
         } else if estimate.mode == Mode::Nominal && !estimate.faults.is_empty() {
             estimate.mode = Mode::Degraded;

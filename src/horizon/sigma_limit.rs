@@ -44,8 +44,8 @@ impl SigmaLimit {
         self.debounce.update(!known || self.worst_deg > limit_deg, now) != State::Active
     }
 
-    /// Adds to `faults` what may not be given, in the vocabulary's order. A wet sensor is reason enough.
-    pub fn report(&self, faults: &mut Vec<ActiveFault>) {
+    /// Adds to `faults` what may not be given, in the vocabulary's order. A wet sensor is reason enough. Whether it may not.
+    pub fn report(&self, faults: &mut Vec<ActiveFault>) -> bool {
         let kind = FaultKind::Obstructed;
         let told = |f: &ActiveFault| f.kind == kind || matches!(f.kind, FaultKind::WetSensor(_));
         if self.debounce.is_active() && !faults.iter().any(told) {
@@ -53,5 +53,6 @@ impl SigmaLimit {
             let place = faults.iter().position(|f| f.kind > kind).unwrap_or(faults.len());
             faults.insert(place, ActiveFault { kind, since: self.debounce.since(), evidence });
         }
+        self.debounce.is_active()
     }
 }

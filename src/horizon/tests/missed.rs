@@ -1,0 +1,105 @@
+//! Reads that are missed: now and then, for a while, and always one or another.
+
+use super::*;
+
+#[test]
+fn one_missed_read_says_nothing_new_and_is_no_fault() {
+    let mut f = Flight::new();
+    let before = f.for_s(1.0, 10.0, 30.0, &[]).clone();
+    assert_eq!(*f.fly(20.0, 30.0, &[(2, Missing::BadPec)]), before, "the old estimate with its old stamp");
+    assert!(f.fly(20.0, 30.0, &[]).time > before.time);
+}
+
+#[test]
+fn a_sensor_that_is_silent_for_a_tenth_of_a_second_is_lost_and_comes_back() {
+    let mut f = Flight::new();
+    f.for_s(1.0, 10.0, 30.0, &[]);
+    let lost = f.for_s(0.2, 10.0, 30.0, &[(2, Missing::BadPec)]).clone();
+    assert_eq!((lost.mode, lost.attitude), (Mode::Faulted, None));
+    assert_eq!(f.kinds(), [FaultKind::SensorLost(2)]);
+    assert!(lost.faults[0].evidence.to_string().starts_with("PEC mismatch"));
+    let back = f.for_s(0.2, 10.0, 30.0, &[]);
+    assert_eq!((back.mode, back.faults.len()), (Mode::Nominal, 0));
+}
+
+#[test]
+fn silence_of_all_is_stale() {
+    let mut f = Flight::new();
+    f.for_s(1.0, 0.0, 30.0, &[]);
+    let all: Vec<_> = (0..6).map(|i| (i, Missing::NoAnswer)).collect();
+    f.for_s(0.7, 0.0, 30.0, &all);
+    assert_eq!(f.kinds().len(), 7);
+    assert_eq!(f.kinds()[6], FaultKind::Stale);
+    assert_eq!(f.estimate.attitude, None);
+}
+
+#[test]
+fn an_attitude_that_no_frame_renews_is_stale() {
+    // Each has the whole head in no frame, and no sensor is silent for long.
+    let missing = |i: usize| [(2 * (i % 2), Missing::BadPec)];
+    for method in [Method::InverseSine, Method::Profile] {
+        let mut f = Flight::by(method);
+        f.for_s(1.0, 0.0, 30.0, &[]);
+        let since = Time::from_secs_f64(f.now_s);
+        let told: Vec<_> = (0..100).map(|i| (f.fly(40.0, 30.0, &missing(i)).mode, f.kinds())).collect();
+        assert!(told[..25].iter().all(|t| *t == (Mode::Nominal, vec![])), "{method:?}: {told:?}");
+        assert!(told[25..].iter().all(|t| *t == (Mode::Faulted, vec![FaultKind::Stale])), "{method:?}: {told:?}");
+        assert_eq!((f.estimate.attitude, f.estimate.contrast_k), (None, None));
+        assert_eq!(f.estimate.faults[0].since, since);
+        assert_eq!(f.estimate.faults[0].evidence.to_string(), "2.00 s, limit 0.50 s");
+        f.fly(40.0, 30.0, &[]);
+        assert_eq!((f.estimate.mode, f.kinds()), (Mode::Nominal, vec![]), "{method:?}: at once, when one does");
+    }
+}
+
+#[test]
+fn an_attitude_that_never_came_is_stale_too() {
+    let mut f = Flight::new();
+    for i in 0..100 {
+        f.fly(0.0, 30.0, &[(2 * (i % 2), Missing::BadPec)]);
+    }
+    assert_eq!((f.estimate.mode, f.kinds()), (Mode::Faulted, vec![FaultKind::Stale]));
+}
+
+#[test]
+fn what_withholds_stays_named_through_a_missed_read() {
+    let mut settings = by(Method::InverseSine);
+    settings.faults.sigma_limit_deg = 2.0;
+    settings.estimator.roll_limit_deg = Some(0.0);
+    let mut f = Flight::with(&settings);
+    f.for_s(1.0, 0.0, 30.0, &[]);
+    f.for_s(1.0, 35.0, 30.0, &[]);
+    assert_eq!((f.estimate.mode, f.kinds()), (Mode::Faulted, vec![FaultKind::Obstructed]));
+    f.fly(35.0, 30.0, &[(2, Missing::BadPec)]);
+    assert_eq!((f.estimate.mode, f.kinds()), (Mode::Faulted, vec![FaultKind::Obstructed]));
+}
+
+#[test]
+fn missed_reads_end_no_disagreement() {
+    for (method, period) in [(Method::InverseSine, 0), (Method::InverseSine, 150), (Method::Profile, 150)] {
+        let mut f = Flight::by(method);
+        let mut told = 0;
+        for i in 0..1500 {
+            // Shown level, in a turn with 25° of bank at 18 m/s.
+            let turned = f64::from(i) * 0.02 * 25_f64.to_radians().tan() * 9.80665 / 18.0;
+            f.aiding = Aiding::default();
+            if i % 50 == 0 {
+                f.aiding.ground_speed_m_s = Some(18.0);
+                f.aiding.course_deg = Some(turned.to_degrees() % 360.0);
+            }
+            let missing = [(2, Missing::BadPec)];
+            f.fly(0.0, 30.0, if period > 0 && i % period == 7 { &missing } else { &[] });
+            told += i32::from(f.kinds().contains(&FaultKind::RollDisagrees));
+        }
+        assert!(told > 1200, "{method:?}, a miss in {period}: in {told} of 1500");
+    }
+}
+
+#[test]
+fn one_missed_read_is_no_fault_at_any_rate() {
+    let mut f = Flight::new();
+    f.fly(10.0, 30.0, &[]);
+    f.now_s += 1.0;
+    let mode = f.fly(10.0, 30.0, &[(2, Missing::BadPec)]).mode;
+    assert_eq!((mode, f.kinds()), (Mode::Nominal, vec![]));
+}
