@@ -3,9 +3,10 @@
 use super::debounce::Debounce;
 use super::{ActiveFault, Evidence, FaultKind};
 use crate::attitude::Attitude;
-use crate::estimator::references::{Angle, References};
+use crate::estimator::references::{Angle, References, STEEPEST};
 use crate::frame::Aiding;
 use crate::time::Time;
+use std::f64::consts::FRAC_PI_2;
 
 /// Over this time differences are averaged, s.
 const WINDOW_S: f64 = 5.0;
@@ -17,6 +18,8 @@ const SIGMAS: f64 = 2.5;
 const LASTS_S: (f64, f64) = (2.0, 3.0);
 /// It is gone below this share of the limit.
 const HYSTERESIS: f64 = 0.6;
+/// Beyond so much of roll and pitch it is aerobatics, in which nothing tells of the bank by the turn, rad.
+const FLYING: Attitude = Attitude { roll: FRAC_PI_2, pitch: STEEPEST };
 /// So old, s, a difference is none.
 const STALE_S: f64 = 4.0;
 
@@ -70,7 +73,12 @@ impl Disagree {
         let heard = self.references.hear(aiding, attitude.roll, now);
         self.pitched = (self.pitched.0 + attitude.pitch, self.pitched.1 + 1.0);
         if let Some((bank, roll)) = heard.bank {
-            self.roll.compare(roll, bank, now);
+            if roll.abs() < FLYING.roll && attitude.pitch.abs() < FLYING.pitch {
+                // In a turn that is not steep a roll that is disagrees by so much at least.
+                self.roll.compare(roll.clamp(-STEEPEST, STEEPEST), bank, now);
+            } else {
+                self.roll.forget();
+            }
         }
         if let Some(climb) = heard.climb {
             let pitch = self.pitched.0 / self.pitched.1;
@@ -107,9 +115,13 @@ impl Difference {
         self.heard = Some(now);
     }
 
+    fn forget(&mut self) {
+        (self.mean, self.weight_s) = (0.0, 0.0);
+    }
+
     fn judge(&mut self, limit: f64, sigma: f64, now: Time) {
         if self.heard.is_none_or(|at| !(0.0..STALE_S).contains(&now.since(at))) {
-            (self.mean, self.weight_s) = (0.0, 0.0);
+            self.forget();
         }
         let alone = (self.weight_s / CORRELATION_S).max(1.0);
         let expected = (self.variance / alone + sigma * sigma).sqrt();

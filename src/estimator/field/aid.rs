@@ -66,7 +66,7 @@ impl Aid {
             let errors = (t.turn.0.hypot(share * bank), t.turn.1);
             let said = Said { component: 1, offset: up[2], rate: speed / G_M_S2, off: bank - up[1], errors, dt_s };
             measure(state, t, &said, &mut self.by_rate);
-        } else if let Some((bank, roll)) = heard.bank {
+        } else if let Some((bank, roll)) = heard.gentle_bank() {
             let (off, errors) = (up[2] * (bank.angle - roll), (bank.sigma, t.lasting.0));
             let said = Said { component: 1, offset: up[2], rate: 0.0, off, errors, dt_s: bank.span_s };
             measure(state, t, &said, &mut self.by_course);

@@ -91,6 +91,21 @@ fn a_pitch_that_is_not_that_of_the_climb_is_told() {
 }
 
 #[test]
+fn a_steep_roll_in_a_turn_that_is_not_is_told() {
+    for (said_deg, flown_deg) in [(60.0, -35.0), (80.0, 0.0), (-50.0, 10.0)] {
+        let mut flight = Flight::new();
+        flight.fly(10.0, (said_deg, 0.0), (flown_deg, 0.0));
+        assert_eq!(flight.told(), [FaultKind::RollDisagrees], "{said_deg}° in a turn of {flown_deg}°");
+    }
+    // A steep turn, and one that is all but that; a loop's way down.
+    for (said, flown) in [((60.0, 0.0), (60.0, 0.0)), ((60.0, 0.0), (40.0, 0.0)), ((60.0, -60.0), (0.0, 0.0))] {
+        let mut flight = Flight::new();
+        flight.fly(30.0, said, flown);
+        assert!(!flight.told().contains(&FaultKind::RollDisagrees), "{said:?} in {flown:?}");
+    }
+}
+
+#[test]
 fn what_is_within_the_limit_or_lasts_a_moment_is_not_told() {
     for off_deg in [-11.0, 4.0, 11.0] {
         let mut flight = Flight::new();
