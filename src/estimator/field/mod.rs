@@ -19,9 +19,11 @@
 //!   is seen; `askew`: a gyro whose axes are not the head's; `rest`: whether what is seen moves;
 //! - `aid`: the slow references; `reference_noise`: how much these are off;
 //! - `unheard`: what a sensor left out might have been right about; `misjudged`: whether it is the wrong one;
+//!   `alone`: what one tells whose opposite is not heard;
 //! - `solution`: what is said of the attitude; `output`: angles and standard deviations.
 
 mod aid;
+mod alone;
 mod around;
 mod askew;
 mod averaging;
@@ -73,6 +75,7 @@ use crate::head::Head;
 use crate::sky::FieldOfView;
 use crate::time::Time;
 use aid::Aid;
+use alone::Alone;
 use around::Around;
 use begin::paces;
 use beneath::Beneath;
@@ -164,6 +167,8 @@ pub struct FieldEstimator {
     averaging: Option<f64>,
     /// For how long, with a sensor left out, the others have told of what is no sky, s.
     astray_s: f64,
+    /// Who tells alone.
+    alone: Alone,
     /// For how long one reading has been far from what it was predicted, s.
     glitch_s: f64,
     /// Without a gyro, whether one begins.
@@ -228,6 +233,7 @@ impl FieldEstimator {
             lost_s: 0.0,
             averaging: None,
             astray_s: 0.0,
+            alone: Alone::default(),
             glitch_s: 0.0,
             manoeuvre: Manoeuvre::default(),
             turned: 0.0,
@@ -348,6 +354,7 @@ impl Estimator for FieldEstimator {
         self.compare_turns(&readings, now);
         self.correct(&readings, dt_s);
         self.watch_horizon(dt_s);
+        self.find_alone(&readings, now, dt_s);
         self.look(frame, now);
         self.aid.update(&frame.aiding, &mut self.state, &self.tuning, (now, dt_s), self.gyro.rates());
         let carried_s = if self.gyro.in_use() { CARRIED_S.1 } else { CARRIED_S.0 };

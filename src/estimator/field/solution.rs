@@ -34,7 +34,7 @@ impl FieldEstimator {
         // Angles are shown larger by the least doubt, that of the model: more of it, and what the aircraft does, may as
         // well be on the other side.
         let (guarded, sigma) = (doubted(at_rest, least_k), doubted(own, most_k));
-        let sigma = [unheard, leaning, late, self.walled(attitude)]
+        let sigma = [unheard, leaning, late, self.walled(attitude), self.by_one_alone()]
             .iter()
             .fold(sigma, |all, one| Attitude { roll: all.roll.hypot(one.roll), pitch: all.pitch.hypot(one.pitch) });
         attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);

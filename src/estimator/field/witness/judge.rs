@@ -127,7 +127,7 @@ impl Witnesses {
 }
 
 /// The pairs that look apart and along the horizon: what is too warm for one of them is so for the other.
-fn level_pairs(model: &Model) -> impl Iterator<Item = (usize, usize)> {
+pub fn level_pairs(model: &Model) -> impl Iterator<Item = (usize, usize)> {
     opposed(model).filter(|(i, _)| !is_upright(model, *i))
 }
 

@@ -29,6 +29,7 @@ use crate::estimator::vector::{Vector, add_scaled};
 use case::{Case, Heard};
 use filter::{Step, Witness};
 use judge::is_upright;
+pub use judge::level_pairs;
 use other::Other;
 use rival::Rival;
 
