@@ -50,19 +50,10 @@ impl Kept {
         if text.trim().is_empty() {
             return Ok(plain);
         }
-        match config::load_with(&self.configuration, &self.path, text) {
-            Ok(loaded) => {
-                log::info!(
-                    "settings kept from MAVLink parameters hold: {} (remove it to be rid of them)",
-                    self.path.display()
-                );
-                Ok(loaded)
-            }
-            Err(e) => {
-                log::error!("settings kept from MAVLink parameters do not fit and are left out; remove the file:\n{e}");
-                Ok(plain)
-            }
-        }
+        let lay = |text| config::load_with(&self.configuration, &self.path, text);
+        let loaded = lay(text.clone()).unwrap_or_else(|_| one_by_one(plain, &text, lay));
+        log::info!("settings kept from MAVLink parameters hold: {} (remove it to be rid of them)", self.path.display());
+        Ok(loaded)
     }
 
     /// Keeps `changes`. They hold even where they cannot be written: until the next start then.
@@ -72,6 +63,42 @@ impl Kept {
         if let Err(e) = replace(&mut FileSystem, &self.path, text.as_bytes()) {
             log::error!("{} cannot be written: {e}; the settings hold until the next start", self.path.display());
             self.unwritten = Some(text);
+        }
+    }
+}
+
+/// `plain` with those settings of `text` that `lay` takes.
+fn one_by_one(plain: Loaded, text: &str, lay: impl Fn(String) -> Result<Loaded, ConfigErrors>) -> Loaded {
+    let (mut loaded, mut fitting) = (plain, String::new());
+    for setting in drop_in::single(text) {
+        let more = drop_in::laid(&fitting, &setting);
+        match lay(more.clone()) {
+            Ok(l) => (loaded, fitting) = (l, more),
+            Err(e) => log::error!("a setting kept from MAVLink parameters does not fit and is left out:\n{e}"),
+        }
+    }
+    loaded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_no_longer_fits_is_left_out_alone() {
+        let configuration = std::env::temp_dir().join(format!("irhorizon-kept-{}.toml", std::process::id()));
+        let path = configuration.with_extension("kept");
+        let main = "[daemon]\nrate-hz = 25\n[simulation]\nenabled = true\n[[mavlink.endpoint]]\naddress = \"udpout:127.0.0.1:1\"\n";
+        let kept = "[[mavlink.endpoint]]\naddress = \"udpout:127.0.0.1:1\"\nattitude-hz = 40\nvalues-hz = 5\n\n\
+                    [head]\nroll-trim = 1\nroll-trim-deg = 12\n";
+        fs::write(&configuration, main).unwrap();
+        fs::write(&path, kept).unwrap();
+        let settings =
+            Kept { configuration: configuration.clone(), path: path.clone(), unwritten: None }.load().unwrap().settings;
+        let streams = &settings.mavlink.endpoints[0].streams;
+        assert_eq!((settings.head.roll_trim_deg, streams.values_hz, streams.attitude_hz), (12.0, 5.0, None));
+        for file in [configuration, path] {
+            fs::remove_file(file).unwrap();
         }
     }
 }

@@ -3,16 +3,18 @@
 //! The file is the daemon's own: sections and keys, a line each. What else somebody writes into it is lost with the
 //! next change.
 
-use super::change::{Change, Section};
+use super::change::Change;
 use std::collections::BTreeMap;
 
 /// The first lines.
 const HEAD: &str = "# Set by MAVLink parameters and kept by irhorizond, which writes this file anew: write your own\n\
                     # settings into another one. Without this file, the configuration holds as it is written.\n";
 
-/// `text`, empty at first, with `changes`: what they set stands there once.
-pub fn with(text: &str, changes: &[Change]) -> String {
-    let mut sections: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
+/// The keys of a section with their values, by the lines that begin it.
+type Sections = BTreeMap<String, BTreeMap<String, String>>;
+
+fn sections(text: &str) -> Sections {
+    let mut sections = Sections::new();
     let mut header = String::new();
     for line in text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#')) {
         if line.starts_with('[') {
@@ -24,16 +26,31 @@ pub fn with(text: &str, changes: &[Change]) -> String {
             sections.entry(header.clone()).or_default().insert(key.to_owned(), value.to_owned());
         }
     }
-    for Change { section, key, value } in changes {
-        sections.entry(Section::header(section)).or_default().insert((*key).to_owned(), value.clone());
-    }
+    sections
+}
+
+/// `text`, empty at first, with `changes`: what they set stands there once.
+pub fn with(text: &str, changes: &[Change]) -> String {
+    laid(text, &changes.iter().map(Change::toml).collect::<String>())
+}
+
+/// `text` with the settings of `over`, another drop-in, laid upon it.
+pub fn laid(text: &str, over: &str) -> String {
     let mut out = HEAD.to_owned();
-    for (header, keys) in sections {
+    for (header, keys) in sections(&format!("{text}\n{over}")) {
         out.push('\n');
         out.push_str(&header);
         out.extend(keys.into_iter().map(|(key, value)| format!("{key} = {value}\n")));
     }
     out
+}
+
+/// Each setting of `text` as a drop-in of its own.
+pub fn single(text: &str) -> Vec<String> {
+    let each = |(header, keys): (String, BTreeMap<String, String>)| {
+        keys.into_iter().map(move |(key, value)| format!("{header}{key} = {value}\n"))
+    };
+    sections(text).into_iter().flat_map(each).collect()
 }
 
 /// `text` without the sections of endpoints for which `there` does not hold.
@@ -51,6 +68,7 @@ pub fn fitting(text: &str, there: impl Fn(&str) -> bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mavlink::service::Section;
 
     fn change(section: Section, key: &'static str, value: &str) -> Change {
         Change { section, key, value: value.into() }
