@@ -161,7 +161,8 @@ impl Session {
             return;
         }
         let dead = age_s >= DEAD_AFTER_S;
-        if seen.moment.sequence != self.sequence {
+        let (fresh, frame) = (seen.moment.sequence != self.sequence, self.rates.frame());
+        if fresh {
             self.sequence = seen.moment.sequence;
             if !dead {
                 self.measured(seen, &mut send);
@@ -175,7 +176,7 @@ impl Session {
         }
         let healthy = !dead && messages::healthy(seen.moment.mode);
         let changed = self.rates.sys_status.rate() != Rate::Never && self.healthy != Some(healthy);
-        if self.rates.sys_status.due(now) || changed {
+        if self.rates.sys_status.due(now, fresh, frame) || changed {
             self.healthy = Some(healthy);
             send(&messages::sys_status(healthy));
         }
@@ -183,7 +184,7 @@ impl Session {
             self.next_second = after(self.next_second, SECOND, now);
             send(&self.heartbeat(dead, seen));
         }
-        if self.rates.values.due(now) {
+        if self.rates.values.due(now, fresh, frame) {
             self.values(now, seen, dead, &mut send);
         }
     }

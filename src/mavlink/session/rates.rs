@@ -80,19 +80,20 @@ impl Pace {
         self.rate() != Rate::Never && self.decimator.as_mut().is_none_or(|d| d.passes(time))
     }
 
-    /// Whether one is due at `now`, frame or not.
-    pub fn due(&mut self, now: Time) -> bool {
-        let period = match self.rate() {
+    /// Whether one is due at `now`, with a `fresh` frame or without, where frames come every `frame`.
+    pub fn due(&mut self, now: Time, fresh: bool, frame: Duration) -> bool {
+        let (fresh, period) = match self.rate() {
             Rate::Never => return false,
-            Rate::EachFrame => Duration::ZERO,
-            Rate::Every(period) => period,
+            Rate::Every(period) if period >= frame => (false, period),
+            // When frames no longer come it goes on, slowly: that is to be told as well.
+            Rate::EachFrame | Rate::Every(_) => (fresh, SECOND.max(2 * frame)),
         };
         // Further away than a period: it was longer before, or the clock was set back.
         let astray = self.next.since(now) > period.as_secs_f64();
-        if now < self.next && !astray {
+        if now < self.next && !astray && !fresh {
             return false;
         }
-        self.next = if astray { now + period } else { after(self.next, period, now) };
+        self.next = if astray || fresh { now + period } else { after(self.next, period, now) };
         true
     }
 }
@@ -142,6 +143,11 @@ impl Rates {
     /// The daemon's own rate: nothing goes out more often.
     pub fn set_frame_rate(&mut self, hz: f64) {
         self.frame = Duration::try_from_secs_f64(1.0 / hz).unwrap_or(self.frame);
+    }
+
+    /// The time between two frames.
+    pub fn frame(&self) -> Duration {
+        self.frame
     }
 
     /// Other settings: what was asked for stays.
@@ -252,11 +258,11 @@ mod tests {
     #[test]
     fn a_shorter_interval_holds_at_once() {
         let mut r = rates(&Streams::default());
+        let due = |r: &mut Rates, secs| r.values.due(Time::from_secs_f64(secs), true, r.frame);
         r.set(251, 1e9).unwrap();
-        assert!(r.values.due(Time::from_secs_f64(1.0)) && !r.values.due(Time::from_secs_f64(2.0)));
+        assert!(due(&mut r, 1.0) && !due(&mut r, 2.0));
         r.set(251, 1e5).unwrap();
-        assert!(r.values.due(Time::from_secs_f64(2.1)) && !r.values.due(Time::from_secs_f64(2.15)));
-        assert!(r.values.due(Time::from_secs_f64(2.2)));
+        assert!(due(&mut r, 2.1) && !due(&mut r, 2.15) && due(&mut r, 2.2));
     }
 
     #[test]

@@ -243,6 +243,25 @@ fn sys_status_is_sent_if_wanted_each_second_and_at_once_when_health_changes() {
 }
 
 #[test]
+fn what_goes_out_with_each_frame_does_so_once_and_goes_on_slowly_without() {
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
+    // The second is as good as each frame once frames come more slowly.
+    for (id, interval_us) in [(1, 5_000.0), (251, 25_000.0)] {
+        session.set_interval(id, interval_us).unwrap();
+    }
+    session.configure(at(0.0), &Streams::default(), false, 25.0);
+    // Awake six times a frame, and of the last second nothing is new.
+    let sent = (0..300_u32).flat_map(|i| {
+        let newest = (i / 6).min(25);
+        step(&mut session, f64::from(i) / 150.0, &frame(u64::from(newest) + 1, f64::from(newest) / 25.0))
+    });
+    let sent: Vec<_> = sent.collect();
+    let statuses = sent.iter().filter(|m| matches!(m, Message::Status(_))).count();
+    assert_eq!((statuses, values(&sent, "ir_qual").len()), (26, 26));
+    assert_eq!(values(&step(&mut session, 2.0, &frame(26, 1.0)), "ir_qual"), [0.0]);
+}
+
+#[test]
 fn whoever_begins_to_listen_is_told_what_is_wrong() {
     let mut session = Session::new(at(0.0), 0, &Streams::default());
     let faulty = Seen { faults: vec![lost(0)], ..frame(1, 0.0) };
