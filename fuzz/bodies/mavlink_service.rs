@@ -77,7 +77,7 @@ pub fn serve(mut data: &[u8]) {
             let sequence = seen.moment.sequence + 1;
             seen.moment = Moment { sequence, written: now, valid_at: now, attitude, mode, ..Moment::default() };
         }
-        let at = Situation { now, us: US, settings: &settings, seen: &seen, flying: flags & 8 != 0 };
+        let at = Situation { now, us: US, settings: &settings, wanted: &settings, seen: &seen, flying: flags & 8 != 0 };
         let (mut asked, mut answered) = (None, 0);
         replies.clear();
         let frame = frame(id, extra, &payload);

@@ -138,6 +138,8 @@ impl Running {
             Ok(loaded) => self.take_up(loaded).map_err(|e| e.to_string()),
             Err(errors) => Err(errors.to_string()),
         };
+        // Also where it is refused: what MAVLink has ordered does not hold then.
+        self.shared.update(|s| s.generation += 1);
         match &outcome {
             Ok(()) => log::info!("configuration reloaded"),
             Err(e) => log::error!("the new configuration is refused, the old one stays in force:\n{e}"),
@@ -166,7 +168,6 @@ impl Running {
         }
         self.mavlink.configure(new.clone());
         self.desk.configure(&loaded);
-        self.shared.update(|s| s.generation += 1);
         self.settings = loaded.settings;
         Ok(())
     }

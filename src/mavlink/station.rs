@@ -5,7 +5,7 @@ use super::deframe::Packet;
 use super::encode::Encoder;
 use super::heard::Heard;
 use super::messages::Message;
-use super::service::{Change, Ids, Order, Replies, Service, Situation};
+use super::service::{Change, Ids, Order, Replies, Service, Situation, apply};
 use super::session::{Seen, Session};
 use super::signer::Signer;
 use crate::aiding::Inbox;
@@ -17,6 +17,8 @@ use std::sync::Arc;
 /// The daemon on the network, at all endpoints.
 pub struct Station {
     settings: Arc<Settings>,
+    /// The settings with what was ordered and is not taken up yet.
+    ordered: Option<Settings>,
     head: Arc<Head>,
     listener: Listener,
     signer: Option<Signer>,
@@ -31,6 +33,7 @@ impl Station {
             listener: Listener::new(&settings.mavlink, settings.rate_hz, inbox),
             signer: Signer::wanted(&settings.mavlink),
             changes: Vec::new(),
+            ordered: None,
             settings,
         }
     }
@@ -45,6 +48,7 @@ impl Station {
         }
         self.head = Arc::new(settings.head());
         self.listener.configure(&settings.mavlink, settings.rate_hz);
+        self.ordered = None;
         std::mem::replace(&mut self.settings, settings)
     }
 
@@ -139,13 +143,60 @@ impl Station {
         self.signer.take().into_iter().for_each(Signer::finish);
     }
 
+    fn wanted(&self) -> &Settings {
+        self.ordered.as_ref().unwrap_or(&self.settings)
+    }
+
     fn situation<'a>(&'a self, now: Time, us: Ids, seen: &'a Seen) -> Situation<'a> {
-        Situation { now, us, settings: &self.settings, seen, flying: self.listener.flying(now) }
+        let (settings, wanted) = (&*self.settings, self.wanted());
+        Situation { now, us, settings, wanted, seen, flying: self.listener.flying(now) }
     }
 
     fn obey(&mut self, replies: &mut Replies) {
         for Order::Set(changes) in replies.orders.drain(..) {
+            // They were judged when they were ordered.
+            if let Ok(ordered) = apply(self.wanted(), &changes) {
+                self.ordered = Some(ordered);
+            }
             self.changes.extend(changes);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::service::Request;
+    use super::super::service::request::What;
+    use super::*;
+    use crate::config::settings::Streams;
+
+    #[test]
+    fn parameters_are_set_against_what_was_ordered_until_that_is_taken_up() {
+        let settings = Arc::new(Settings::default());
+        let mut station = Station::new(Arc::clone(&settings), Arc::default());
+        let mut session = Session::new(Time::default(), 0, &Streams::default());
+        let name = std::array::from_fn(|i| b"IRH_ROLL_TRIM".get(i).copied().unwrap_or(0));
+        let read = What::ParamRead { index: -1, name };
+        let mut ask = |station: &mut Station, what| {
+            let (us, seen, mut replies) = (station.us(), Seen::default(), Replies::default());
+            let at = station.situation(Time::default(), us, &seen);
+            let (from, request) = (Ids { system: 255, component: 190 }, Request { target: us, what });
+            Service::default().heed(from, &request, &at, &mut session, &mut replies);
+            station.obey(&mut replies);
+            let value = |m: &Message| if let Message::Param(p) = m { Some(p.param_value) } else { None };
+            let told: Vec<f32> = replies.messages.iter().filter_map(value).collect();
+            let orders: Vec<String> = station.changes().drain(..).map(|c| c.value).collect();
+            (told, orders.join(" "))
+        };
+        for (what, value, ordered) in [
+            (What::ParamSet { name, value: 5.0 }, 5.0, "5"),
+            (read, 5.0, ""),
+            (What::ParamSet { name, value: 0.0 }, 0.0, "0"),
+            (What::ParamSet { name, value: 7.0 }, 7.0, "7"),
+        ] {
+            assert_eq!(ask(&mut station, what), (vec![value], ordered.to_owned()), "{what:?}");
+        }
+        station.configure(settings);
+        assert_eq!(ask(&mut station, read).0, [0.0]);
     }
 }

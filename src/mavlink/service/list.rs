@@ -66,14 +66,14 @@ impl List {
     pub fn step(&mut self, at: &Situation<'_>, replies: &mut Replies) {
         // A clock set back does not stop the list.
         let due = at.now >= self.next || self.next.since(at.now) > PACE.as_secs_f64();
-        self.pending &= all(parameters::count(at.settings));
+        self.pending &= all(parameters::count(at.wanted));
         if self.pending == 0 || !due {
             return;
         }
         let index = self.pending.trailing_zeros();
         self.pending &= self.pending - 1;
         self.next = at.now + PACE;
-        if let Some(message) = param_value(at.settings, index as usize) {
+        if let Some(message) = param_value(at.wanted, index as usize) {
             replies.send(message);
         }
     }
@@ -100,9 +100,9 @@ impl List {
     ) {
         let found = match usize::try_from(index) {
             Ok(index) => Some(index),
-            Err(_) => parameters::find(at.settings, name),
+            Err(_) => parameters::find(at.wanted, name),
         };
-        match found.and_then(|i| param_value(at.settings, i)) {
+        match found.and_then(|i| param_value(at.wanted, i)) {
             Some(message) => replies.send(message),
             None if whom == For::Us => replies.send(no_such(from, index, name)),
             None => {}
@@ -118,28 +118,28 @@ impl List {
             return;
         }
         self.sets += 1;
-        let Some(index) = parameters::find(at.settings, name) else {
+        let Some(index) = parameters::find(at.wanted, name) else {
             if whom == For::Us {
                 replies.send(no_such(from, -1, name));
             }
             return;
         };
-        if parameters::value(at.settings, index) == Some(value) {
-            param_value(at.settings, index).into_iter().for_each(|m| replies.send(m));
+        if parameters::value(at.wanted, index) == Some(value) {
+            param_value(at.wanted, index).into_iter().for_each(|m| replies.send(m));
             return;
         }
-        let name = parameters::name(at.settings, index).unwrap_or_default();
-        let wanted = parameters::change(at.settings, index, value);
-        let outcome = wanted.and_then(|c| Ok((apply(at.settings, std::slice::from_ref(&c)).map_err(reason)?, c)));
+        let name = parameters::name(at.wanted, index).unwrap_or_default();
+        let wanted = parameters::change(at.wanted, index, value);
+        let outcome = wanted.and_then(|c| Ok((apply(at.wanted, std::slice::from_ref(&c)).map_err(reason)?, c)));
         match outcome {
             Ok((new, change)) => {
                 param_value(&new, index).into_iter().for_each(|m| replies.send(m));
-                let effect = effect(at.settings, &new);
+                let effect = effect(at.wanted, &new);
                 replies.say(MavSeverity::MAV_SEVERITY_INFO, &format!("{name} {effect}"));
                 replies.orders.push(Order::Set(vec![change]));
             }
             Err(wanted) => {
-                param_value(at.settings, index).into_iter().for_each(|m| replies.send(m));
+                param_value(at.wanted, index).into_iter().for_each(|m| replies.send(m));
                 replies.say(MavSeverity::MAV_SEVERITY_WARNING, &format!("{name} needs {wanted}"));
             }
         }

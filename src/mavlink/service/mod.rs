@@ -48,6 +48,8 @@ pub struct Situation<'a> {
     pub us: Ids,
     /// The settings in force.
     pub settings: &'a Settings,
+    /// Those with what was ordered since: what parameters tell and are set against.
+    pub wanted: &'a Settings,
     /// What is told of the attitude.
     pub seen: &'a Seen,
     /// The aircraft flies, or may.

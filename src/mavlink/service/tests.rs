@@ -56,7 +56,8 @@ impl Bench {
 
     fn ask(&mut self, secs: f64, from: Ids, target: Ids, what: What) -> Replies {
         let mut replies = Replies::default();
-        let at = Situation { now: at(secs), us: US, settings: &self.settings, seen: &self.seen, flying: self.flying };
+        let Self { settings, seen, flying, .. } = self;
+        let at = Situation { now: at(secs), us: US, settings, wanted: settings, seen, flying: *flying };
         self.service.heed(from, &Request { target, what }, &at, &mut self.session, &mut replies);
         replies
     }
@@ -67,7 +68,8 @@ impl Bench {
 
     fn step(&mut self, secs: f64) -> Replies {
         let mut replies = Replies::default();
-        let at = Situation { now: at(secs), us: US, settings: &self.settings, seen: &self.seen, flying: self.flying };
+        let Self { settings, seen, flying, .. } = self;
+        let at = Situation { now: at(secs), us: US, settings, wanted: settings, seen, flying: *flying };
         self.service.step(&at, &mut replies);
         replies
     }
