@@ -2,7 +2,7 @@
 //! as an argument.
 //!
 //! Nothing goes out on the strength of this thread being alive. What is told depends on the age of
-//! the newest frame: from 1 s on the heartbeat is critical and says so in words, from 3 s on there
+//! the newest frame: from 1 s on (2.5 frames, if that is longer) the heartbeat is critical and says so in words, from 3 s on there
 //! is silence, and every ground station shows the component as lost.
 
 mod rates;
@@ -22,8 +22,9 @@ use ::mavlink::dialects::common::{
 };
 use rates::{Rate, Rates, SECOND, after, is_new};
 
-/// The age of the newest frame at which sampling counts as dead, s.
+/// The age of the newest frame at which sampling counts as dead, s; so many periods of slow frames.
 const DEAD_AFTER_S: f64 = 1.0;
+const DEAD_AFTER_FRAMES: f64 = 2.5;
 
 /// The age of the newest frame from which on nothing is sent, s.
 const SILENT_AFTER_S: f64 = 3.0;
@@ -116,7 +117,7 @@ impl Session {
 
     /// Sends message `id` once, at `now`, out of turn.
     pub fn request(&mut self, id: u32, now: Time, seen: &Seen, mut send: impl FnMut(&Message)) -> Asked {
-        let dead = self.age_s(now, seen) >= DEAD_AFTER_S;
+        let dead = self.age_s(now, seen) >= self.dead_after_s();
         let message = match id {
             HEARTBEAT_DATA::ID => Some(self.heartbeat(dead, seen)),
             SYS_STATUS_DATA::ID => Some(messages::sys_status(!dead && messages::healthy(seen.moment.mode))),
@@ -160,7 +161,7 @@ impl Session {
         if age_s >= SILENT_AFTER_S {
             return;
         }
-        let dead = age_s >= DEAD_AFTER_S;
+        let dead = age_s >= self.dead_after_s();
         let (fresh, frame) = (seen.moment.sequence != self.sequence, self.rates.frame());
         if fresh {
             self.sequence = seen.moment.sequence;
@@ -191,7 +192,7 @@ impl Session {
 
     /// Gives `send` the attitude of a frame that was passed over: a newer one is there already.
     pub fn passed_over(&mut self, now: Time, seen: &Seen, mut send: impl FnMut(&Message)) {
-        if seen.moment.sequence > self.sequence && self.age_s(now, seen) < DEAD_AFTER_S {
+        if seen.moment.sequence > self.sequence && self.age_s(now, seen) < self.dead_after_s() {
             self.sequence = seen.moment.sequence;
             self.measured(seen, &mut send);
         }
@@ -199,6 +200,10 @@ impl Session {
 
     fn age_s(&self, now: Time, seen: &Seen) -> f64 {
         now.since(if seen.moment.sequence == 0 { self.started } else { seen.moment.written })
+    }
+
+    fn dead_after_s(&self) -> f64 {
+        DEAD_AFTER_S.max(DEAD_AFTER_FRAMES * self.rates.frame().as_secs_f64())
     }
 
     fn heartbeat(&self, dead: bool, seen: &Seen) -> Message {
@@ -257,7 +262,8 @@ impl Session {
             self.texts_since = now;
             self.texts = 0;
         }
-        let dead = dead_s.map(|value| (FaultKind::Stale, Evidence::Limit { value, limit: DEAD_AFTER_S, unit: "s" }));
+        let limit = self.dead_after_s();
+        let dead = dead_s.map(|value| (FaultKind::Stale, Evidence::Limit { value, limit, unit: "s" }));
         let active = || seen.faults.iter().map(|f| (f.kind, f.evidence)).chain(dead);
         let Self { told, texts, .. } = self;
         told.retain(|kind| {

@@ -169,6 +169,20 @@ fn dead_sampling_is_critical_after_one_second_and_silent_after_three() {
 }
 
 #[test]
+fn slow_frames_are_not_dead() {
+    for (hz, dead_s) in [(1.0, 2.5), (2.0, 1.25), (50.0, 1.0)] {
+        let mut session = Session::new(at(0.0), 0, &Streams::default()).with_frame_rate(hz);
+        let mut state = |secs| {
+            let mut sent = Vec::new();
+            session.request(0, at(secs), &frame(1, 0.0), |m| sent.push(m.clone()));
+            states(&sent)
+        };
+        let (active, critical) = ([MavState::MAV_STATE_ACTIVE], [MavState::MAV_STATE_CRITICAL]);
+        assert_eq!((state(dead_s - 0.01), state(dead_s + 0.01)), (active.into(), critical.into()), "{hz} Hz");
+    }
+}
+
+#[test]
 fn before_the_first_frame_it_boots_but_not_for_ever() {
     let mut session = Session::new(at(0.0), 0, &Streams::default());
     let seen = Seen::default();
