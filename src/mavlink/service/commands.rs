@@ -43,6 +43,8 @@ const NO_PROGRESS: u8 = 255;
 pub struct Level {
     from: Ids,
     calibration: Calibration,
+    /// The configured trim, under which all of the mean is to be seen.
+    trim: Attitude,
     percent: u8,
     reported: Time,
 }
@@ -141,7 +143,7 @@ impl Service {
         }
         match Calibration::begin(at.now, at.seen, at.flying) {
             Ok(calibration) => {
-                self.level = Some(Level { from, calibration, percent: 0, reported: at.now });
+                self.level = Some(Level { from, calibration, trim: configured(at), percent: 0, reported: at.now });
                 replies.say(MavSeverity::MAV_SEVERITY_INFO, "level calibration: keep still");
                 IN_PROGRESS
             }
@@ -156,7 +158,12 @@ impl Service {
     pub(super) fn level_step(&mut self, at: &Situation<'_>, replies: &mut Replies) {
         let Some(level) = &mut self.level else { return };
         let from = level.from;
-        let outcome = match level.calibration.step(at.now, at.seen, at.flying) {
+        let progress = if level.trim == configured(at) {
+            level.calibration.step(at.now, at.seen, at.flying)
+        } else {
+            Progress::Failed("level calibration failed: trim changed")
+        };
+        let outcome = match progress {
             Progress::Going(percent) => {
                 level.percent = percent;
                 if at.now.since(level.reported) >= REPORT_S {
@@ -181,11 +188,14 @@ impl Service {
     }
 }
 
+/// The trim that is configured.
+fn configured(at: &Situation<'_>) -> Attitude {
+    Attitude::from_degrees(at.settings.head.roll_trim_deg, at.settings.head.pitch_trim_deg)
+}
+
 /// Orders the trim with which `mean` would have been level.
 fn save(mean: Attitude, at: &Situation<'_>, replies: &mut Replies) -> Result<(), &'static str> {
-    let head = &at.settings.head;
-    let configured = Attitude::from_degrees(head.roll_trim_deg, head.pitch_trim_deg);
-    let learnt = at.seen.trim;
+    let (configured, learnt) = (configured(at), at.seen.trim);
     let old = Attitude { roll: configured.roll + learnt.roll, pitch: configured.pitch + learnt.pitch };
     let new = calibration::trim(mean, old, at.settings.method() != Method::InverseSine);
     let changes = trims(new.roll.to_degrees(), new.pitch.to_degrees());

@@ -321,6 +321,19 @@ fn level_ground_gives_the_trim() {
 }
 
 #[test]
+fn a_trim_that_is_set_meanwhile_fails_a_calibration() {
+    let mut bench = Bench::new();
+    assert_eq!(acks(&bench.ask(0.0, GCS, US, level(0))), [(241, IN_PROGRESS)]);
+    assert_eq!(bench.step(0.1), Replies::default());
+    bench.settings.head.pitch_trim_deg = 3.0;
+    let failed = bench.step(0.2);
+    assert_eq!(
+        (acks(&failed), text(&failed)),
+        (vec![(241, FAILED)], "irhorizon: level calibration failed: trim changed".into())
+    );
+}
+
+#[test]
 fn no_calibration_in_flight_nor_of_what_is_not_here() {
     let mut bench = Bench::new();
     bench.flying = true;
