@@ -2,7 +2,7 @@
 //! still is restarted, however well its other threads are.
 
 use crate::attitude::Estimate;
-use crate::frame::Frame;
+use crate::frame::{Frame, Missing};
 use crate::time::Time;
 use sd_notify::NotifyState;
 use std::ffi::OsStr;
@@ -60,9 +60,10 @@ impl Watchdog {
     }
 }
 
-/// Whether a scan did its work: it measured, or a fault says why it could not.
+/// Whether a scan did its work: it measured, or it or a fault says why it could not. The fault may be allowed to take as
+/// long as the watchdog.
 fn says_something(frame: &Frame, estimate: &Estimate) -> bool {
-    frame.sample_time().is_some() || !estimate.faults.is_empty()
+    frame.readings.iter().any(|r| *r != Err(Missing::NotYet)) || !estimate.faults.is_empty()
 }
 
 /// A path, or a name in the abstract namespace, which begins with `@`.
@@ -79,7 +80,7 @@ fn connect(place: &OsStr) -> io::Result<UnixDatagram> {
 mod tests {
     use super::*;
     use crate::fault::{ActiveFault, Evidence, FaultKind};
-    use crate::frame::{Missing, Sample, Value};
+    use crate::frame::{Sample, Value};
 
     fn pair(limit_s: f64) -> (Watchdog, UnixDatagram) {
         let (ours, theirs) = UnixDatagram::pair().unwrap();
@@ -92,10 +93,9 @@ mod tests {
         std::iter::from_fn(|| systemd.recv(&mut buffer).ok().map(|n| assert_eq!(&buffer[..n], b"WATCHDOG=1"))).count()
     }
 
-    fn frame(time_s: f64, measures: bool) -> Frame {
+    fn frame(time_s: f64, missing: Option<Missing>) -> Frame {
         let time = Time::from_secs_f64(time_s);
-        let value = Value::Volts(1.0);
-        let reading = if measures { Ok(Sample { value, time }) } else { Err(Missing::NoAnswer) };
+        let reading = missing.map_or(Ok(Sample { value: Value::Volts(1.0), time }), Err);
         Frame { time, readings: vec![reading], ..Frame::default() }
     }
 
@@ -103,7 +103,7 @@ mod tests {
     fn a_few_meals_in_its_time_and_no_more() {
         let (mut watchdog, systemd) = pair(4.0);
         for i in 0..500 {
-            watchdog.scanned(&frame(100.0 + f64::from(i) * 0.02, true), &Estimate::default());
+            watchdog.scanned(&frame(100.0 + f64::from(i) * 0.02, None), &Estimate::default());
         }
         let meals = meals(&systemd);
         assert!((9..=11).contains(&meals), "{meals} in 10 s");
@@ -114,24 +114,33 @@ mod tests {
         let (mut watchdog, systemd) = pair(4.0);
         let mut estimate = Estimate::default();
         for i in 0..500 {
-            watchdog.scanned(&frame(f64::from(i) * 0.02, false), &estimate);
+            watchdog.scanned(&frame(f64::from(i) * 0.02, Some(Missing::NotYet)), &estimate);
         }
         assert_eq!(meals(&systemd), 0);
         let evidence = Evidence::Missing { reason: Missing::NoAnswer, failures: 500 };
         estimate.faults.push(ActiveFault { kind: FaultKind::Stale, since: Time::default(), evidence });
-        watchdog.scanned(&frame(10.0, false), &estimate);
+        watchdog.scanned(&frame(10.0, Some(Missing::NotYet)), &estimate);
         assert_eq!(meals(&systemd), 1);
+    }
+
+    #[test]
+    fn scans_that_say_why_they_measured_nothing_feed_it() {
+        for missing in [Missing::BusGone, Missing::NoAnswer, Missing::PoweredOff] {
+            let (mut watchdog, systemd) = pair(4.0);
+            watchdog.scanned(&frame(10.0, Some(missing)), &Estimate::default());
+            assert_eq!(meals(&systemd), 1, "{missing}");
+        }
     }
 
     #[test]
     fn a_systemd_that_takes_nothing_delays_nothing() {
         let (mut watchdog, systemd) = pair(0.0);
         for i in 0..10_000 {
-            watchdog.scanned(&frame(f64::from(i), true), &Estimate::default());
+            watchdog.scanned(&frame(f64::from(i), None), &Estimate::default());
         }
         let taken = meals(&systemd);
         assert!((1..10_000).contains(&taken), "{taken}");
-        watchdog.scanned(&frame(1e5, true), &Estimate::default());
+        watchdog.scanned(&frame(1e5, None), &Estimate::default());
         assert_eq!(meals(&systemd), 1, "and it is fed again");
     }
 }
