@@ -19,20 +19,23 @@ pub struct Live {
     pub info: Arc<ServiceInfo>,
     /// The sampling loop has not written for too long; nothing measured is shown.
     pub overdue: bool,
+    /// From when on a first frame is waited for.
+    pub since: Time,
 }
 
 impl Live {
-    /// Before the first look.
-    pub fn new(info: Arc<ServiceInfo>) -> Self {
-        Self { snapshot: Snapshot::default(), info, overdue: false }
+    /// Before the first look, at `now`.
+    pub fn new(info: Arc<ServiceInfo>, now: Time) -> Self {
+        Self { snapshot: Snapshot::default(), info, overdue: false, since: now }
     }
 
     /// Takes in `newest` when it is a later frame; withdraws the attitude when at `now` even the
     /// newest is too old. A sampling loop that hangs cannot say so itself.
     pub fn look(&mut self, newest: &Snapshot, now: Time) {
         let limit = self.info.overdue.as_secs_f64();
-        let age = now.since(newest.written);
-        let overdue = newest.sequence > 0 && age > limit;
+        let written = if newest.sequence == 0 { self.since } else { newest.written };
+        let age = now.since(written);
+        let overdue = age > limit;
         let seen = (self.snapshot.sequence, self.snapshot.generation);
         if seen != (newest.sequence, newest.generation) || (self.overdue && !overdue) {
             self.snapshot = newest.clone();
@@ -50,10 +53,32 @@ impl Live {
             match estimate.faults.iter_mut().find(|f| f.kind == FaultKind::Stale) {
                 Some(fault) => fault.evidence = evidence,
                 None => {
-                    let since = newest.written + self.info.overdue;
+                    let since = written + self.info.overdue;
                     estimate.faults.push(ActiveFault { kind: FaultKind::Stale, since, evidence });
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Settings;
+
+    #[test]
+    fn a_loop_that_hangs_is_told_whether_it_has_written_or_not() {
+        let at = Time::from_secs_f64;
+        for (sequence, written) in [(0, Time::default()), (1, at(100.0))] {
+            let mut live = Live::new(Arc::new(ServiceInfo::new(&Settings::default(), String::new())), at(100.0));
+            let newest = Snapshot { sequence, written, ..Snapshot::default() };
+            let mut look = |secs| {
+                live.look(&newest, at(secs));
+                let estimate = &live.snapshot.estimate;
+                (estimate.mode, estimate.faults.iter().map(|f| (f.kind, f.since)).collect::<Vec<_>>())
+            };
+            assert_eq!(look(100.1), (Mode::Starting, vec![]), "frame {sequence}");
+            assert_eq!(look(110.0), (Mode::Faulted, vec![(FaultKind::Stale, at(100.54))]), "frame {sequence}");
         }
     }
 }

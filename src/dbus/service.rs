@@ -117,13 +117,15 @@ impl Serving<'_> {
         while !self.stopping() {
             // Read before the information: a reload from here on is not missed.
             let generation = self.service.shared.lock().generation;
-            let live = Arc::new(Mutex::new(Live::new(self.service.control.info())));
+            let live = Arc::new(Mutex::new(Live::new(self.service.control.info(), clock::now())));
             attempts = attempts.saturating_add(1);
             match self.connect(&live).await {
                 Ok(connection) => {
                     if attempts > 1 {
                         log::info!("D-Bus: {NAME} is on {}", place(&self.service.bus));
                     }
+                    // Sampling may wait for the first connection.
+                    lock(&live).since = clock::now();
                     report(Ok(()));
                     (backoff, told) = (BACKOFF_FIRST, None);
                     self.publish(&connection, &live, generation).await;
