@@ -9,7 +9,7 @@ use dbus_bus::Bus;
 use irhorizon::head::SensorKind;
 use process::Folder;
 use setup_kit::bus::{ADAPTER_HAS_PEC, Chip, WRITES, adc, cell, chips, mlx};
-use setup_kit::daemon::{LOOKS, RELOADS};
+use setup_kit::daemon::{LOOKS, RELOADS, RUNS_ON};
 use setup_kit::{ANSWERS, PROCESS, ctl};
 use std::fs;
 use std::path::Path;
@@ -108,6 +108,7 @@ fn pairs() -> String {
 fn the_trim_is_measured_saved_and_brought_back() {
     let folder = Folder::new();
     let config = folder.write("irhorizon.toml", SIMULATED).display().to_string();
+    RUNS_ON.set(config.clone().into());
     let saved = folder.path("irhorizon.toml.d/50-trim.toml");
     let line = format!("--bus fake:still calibrate --yes --config {config}");
 
@@ -137,11 +138,59 @@ fn the_trim_is_measured_saved_and_brought_back() {
 fn without_a_daemon_undoing_works_and_measuring_does_not() {
     let folder = Folder::new();
     let config = folder.write("irhorizon.toml", SIMULATED).display().to_string();
+    RUNS_ON.set(config.clone().into());
     assert_eq!(ctl(&format!("--bus fake:still calibrate --yes --config {config}")).0, 0);
     assert_eq!(ctl(&format!("--bus fake:none calibrate --yes --config {config}")).0, 3);
     let (code, out, _) = ctl(&format!("--bus fake:none calibrate --undo --config {config}"));
     assert!(code == 0 && out.contains("taken away, there was none before\nno daemon runs"), "{out}");
     assert!(!folder.path("irhorizon.toml.d/50-trim.toml").exists());
+}
+
+#[test]
+fn a_daemon_on_another_configuration_has_not_taken_it_up() {
+    let folder = Folder::new();
+    for (what, text) in [("level", SIMULATED.to_owned()), ("neutral", pairs())] {
+        RUNS_ON.set(folder.write("other.toml", &text));
+        let config = folder.write(&format!("{what}.toml"), &text);
+        let line = format!("--bus fake:still calibrate {what} --yes --config {}", config.display());
+        let refused = |line: &str| {
+            let (code, out, err) = ctl(line);
+            let told = err.contains(&format!("{what}.toml holds it now, but")) && err.contains("another configuration");
+            assert!(code == 1 && told && !out.contains("taken it up"), "{line}: {code} {out} {err}");
+        };
+        refused(&line);
+        refused(&line);
+        refused(&format!("{line} --undo"));
+    }
+}
+
+/// The same of a daemon on a real bus, which says what it runs on.
+#[test]
+fn undoing_asks_the_daemon_what_it_runs_on() {
+    let (bus, folder, elsewhere) = (Bus::new(), Folder::new(), Folder::new());
+    let address = bus.address();
+    let text = format!("[simulation]\nenabled = true\n[dbus]\nbus = \"{address}\"\n");
+    let saved = |folder: &Folder| {
+        let drop_ins = folder.path("irhorizon.toml.d");
+        fs::create_dir_all(&drop_ins).unwrap();
+        fs::write(drop_ins.join("50-trim.toml"), "[head]\nroll-trim-deg = 2.0\n").unwrap();
+        fs::write(drop_ins.join(".50-trim.toml.old"), "").unwrap();
+    };
+    saved(&folder);
+    let _daemon = process::Daemon::start(&folder, &text);
+    let real = |line: String| {
+        let args = ["--bus", &address].into_iter().chain(line.split_whitespace());
+        std::process::Command::new(process::CTL).args(args).output().unwrap()
+    };
+    assert!(real("wait-ready --timeout 20".to_owned()).status.success());
+    saved(&elsewhere);
+    let other = elsewhere.write("irhorizon.toml", &text);
+    let output = real(format!("calibrate --undo --config {}", other.display()));
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(1) && err.contains("another configuration"), "{err}");
+    let output = real(format!("calibrate --undo --config {}", folder.path("irhorizon.toml").display()));
+    let out = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && out.ends_with("the daemon has taken it up\n"), "{out}");
 }
 
 /// A simulated flight turns and is gusty: nothing to be calibrated by.
@@ -200,6 +249,7 @@ fn what_is_no_measure_is_not_saved() {
 fn neutral_voltages_are_measured_of_each_pair() {
     let folder = Folder::new();
     let config = folder.write("irhorizon.toml", pairs()).display().to_string();
+    RUNS_ON.set(config.clone().into());
     let line = format!("--bus fake:still calibrate neutral --yes --config {config}");
     let (code, out, err) = ctl(&line);
     assert_eq!(code, 0, "{err}");
@@ -228,6 +278,7 @@ fn offsets_of_digital_sensors_are_measured_against_each_other() {
     };
     let three: String = (0..).zip(["nose", "tail", "left"]).map(digital).collect();
     let config = folder.write("irhorizon.toml", &(pairs() + &three)).display().to_string();
+    RUNS_ON.set(config.clone().into());
     let line = format!("--bus fake:still calibrate neutral --yes --config {config}");
     let (code, out, err) = ctl(&line);
     assert_eq!(code, 0, "{err}");
@@ -256,6 +307,7 @@ fn offsets_of_digital_sensors_are_measured_against_each_other() {
     }
     // One alone cannot be compared.
     let one = folder.write("one.toml", &(pairs() + &digital((0, "nose")))).display().to_string();
+    RUNS_ON.set(one.clone().into());
     let (code, out, err) = ctl(&format!("--bus fake:still calibrate neutral --yes --config {one}"));
     assert!(code == 0 && out.contains("vert") && !out.contains("nose"), "{out} {err}");
 }

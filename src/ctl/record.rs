@@ -2,7 +2,7 @@
 
 use super::cli::RecordArgs;
 use super::error::CtlError;
-use super::kit::{DaemonError, Kit};
+use super::kit::{Daemon, DaemonError, Kit};
 use super::name::dated_name;
 use crate::config::settings::BusAddress;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -20,7 +20,7 @@ const FLUSH_EVERY: Duration = Duration::from_millis(500);
 /// As much as waits in memory, bytes.
 const FLUSH_AT: usize = 64 * 1024;
 /// The longest packet: a header with its configuration.
-const MAX_PACKET: usize = 1 << 20;
+pub(super) const MAX_PACKET: usize = 1 << 20;
 
 /// Something that rows are written to.
 pub trait Sink: Write {
@@ -160,7 +160,7 @@ pub fn record(
 }
 
 /// The next packet's length, 0 at the end of the stream, `None` when `timeout` was over first.
-fn receive(frames: &OwnedFd, packet: &mut [u8], timeout: Duration) -> io::Result<Option<usize>> {
+pub(super) fn receive(frames: &OwnedFd, packet: &mut [u8], timeout: Duration) -> io::Result<Option<usize>> {
     let timeout = Timespec { tv_sec: timeout.as_secs() as i64, tv_nsec: i64::from(timeout.subsec_nanos()) };
     let mut fds = [PollFd::new(frames, PollFlags::IN)];
     match poll(&mut fds, Some(&timeout)) {
@@ -173,6 +173,14 @@ fn receive(frames: &OwnedFd, packet: &mut [u8], timeout: Duration) -> io::Result
         Err(Errno::AGAIN | Errno::INTR) => Ok(None),
         Err(e) => Err(e.into()),
     }
+}
+
+/// The daemon's stream of frames.
+pub(super) fn frames(daemon: &mut dyn Daemon) -> Result<OwnedFd, CtlError> {
+    daemon.frames().map_err(|e| match e {
+        DaemonError::Absent(cause) => CtlError::NoDaemon(cause),
+        DaemonError::Refused(cause) => CtlError::NoFrames(cause),
+    })
 }
 
 /// Does what the command line says; how it ended goes to `err`.
@@ -190,10 +198,7 @@ pub fn command(
         return Err(CtlError::Exists { path });
     }
     // No daemon, no empty file.
-    let frames = (kit.connect)(bus)?.frames().map_err(|e| match e {
-        DaemonError::Absent(cause) => CtlError::NoDaemon(cause),
-        DaemonError::Refused(cause) => CtlError::NoFrames(cause),
-    })?;
+    let frames = frames(&mut *(kit.connect)(bus)?)?;
     let limit = args.seconds.map(Duration::from_secs_f64);
     let (rows, result) = if to_stdout {
         record(&frames, &mut Plain(out), limit, stop)

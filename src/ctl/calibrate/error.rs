@@ -101,4 +101,11 @@ pub enum CalibrateError {
     /// It is saved, and the daemon goes on with what it had.
     #[error("it is saved, but the daemon has not taken it up; sudo systemctl reload irhorizond")]
     NotReloaded(#[source] Box<CtlError>),
+    /// The daemon has reloaded, and does not go by it.
+    #[error(
+        "{0} holds it now, but the daemon goes by other trims or sensors: it reads another configuration (give --config \
+         what irhorizond is started with), or settings kept from MAVLink parameters overrule it (irhorizond's log names \
+         their file)"
+    )]
+    OtherConfiguration(PathBuf),
 }

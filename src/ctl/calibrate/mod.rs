@@ -4,11 +4,13 @@
 //! - `average`: means with their standard errors; pure;
 //! - `level`: the trims; `neutral`: neutral voltages and offsets;
 //! - `drop_in`: saved whole, checked before, brought back;
+//! - `held`: whether the daemon goes by it;
 //! - `error`: why nothing was measured or saved.
 
 mod average;
 mod drop_in;
 mod error;
+mod held;
 mod level;
 mod neutral;
 
@@ -25,6 +27,7 @@ use crate::config::settings::BusAddress;
 use crate::save::Undone;
 use drop_in::DropIn;
 use std::io::Write;
+use std::path::Path;
 use std::time::Duration;
 
 /// Between two looks at the daemon, s: what it says on D-Bus changes no faster.
@@ -56,10 +59,11 @@ pub fn command(
                 Undone::Nothing => return Err(CalibrateError::NothingToUndo(drop_in.path().to_owned()).into()),
             },
         )?;
-        return match (kit.connect)(bus).and_then(|mut daemon| daemon.reload()) {
+        return match (kit.connect)(bus).and_then(|mut daemon| daemon.reload().map(|()| daemon)) {
             // It reads its configuration when it starts.
             Err(DaemonError::Absent(_)) => print(out, "no daemon runs that could take it up now\n"),
-            outcome => taken_up(outcome, out),
+            Err(e) => Err(not_reloaded(e)),
+            Ok(mut daemon) => taken_up(&mut *daemon, &args.config, kit, out),
         };
     }
     let loaded = (kit.load)(&args.config).map_err(CtlError::Config)?;
@@ -87,11 +91,17 @@ pub fn command(
     }
     drop_in.save(&measured.lines)?;
     print(out, &format!("saved as {}; --undo brings back what was before\n", drop_in.path().display()))?;
-    taken_up(daemon.reload(), out)
+    daemon.reload().map_err(not_reloaded)?;
+    taken_up(&mut *daemon, &args.config, kit, out)
 }
 
-fn taken_up(outcome: Result<(), DaemonError>, out: &mut dyn Write) -> Result<(), CtlError> {
-    outcome.map_err(|e| CalibrateError::NotReloaded(Box::new(e.into())))?;
+fn not_reloaded(error: DaemonError) -> CtlError {
+    CalibrateError::NotReloaded(Box::new(error.into())).into()
+}
+
+/// Says that a daemon that has reloaded goes by `config`, if it does.
+fn taken_up(daemon: &mut dyn Daemon, config: &Path, kit: &Kit, out: &mut dyn Write) -> Result<(), CtlError> {
+    held::check(daemon, config, kit)?;
     print(out, "the daemon has taken it up\n")
 }
 
