@@ -167,6 +167,19 @@ fn output_goes_to_a_file_but_never_over_the_recording() {
 }
 
 #[test]
+fn nothing_in_a_recording_controls_the_terminal() {
+    let evil = "\u{1b}[2J\u{1b}]0;evil\u{7}";
+    for (name, text) in [
+        ("no-time.csv", format!("{evil}time_s,roll\n1,2\n")),
+        ("unknown.csv", format!("time_s,nose_obj_c,{evil}\n0,1,2\n")),
+        ("twice.csv", format!("# [[sensor]]\n# name = \"{evil}\"\ntime_s,nose_obj_c\n0,1\n")),
+    ] {
+        let (_, out, err) = replay(&[&file(name, &text)]);
+        assert!(!(out + &err).chars().any(|c| c.is_control() && c != '\n'), "{name}: {err:?}");
+    }
+}
+
+#[test]
 fn what_cannot_be_read_is_said_in_one_line() {
     for path in ["/nowhere.csv", "/", &file("empty.csv", ""), &file("volts.csv", "time_s,long_v\n")] {
         let (code, out, err) = replay(&[path]);

@@ -33,6 +33,14 @@ fn a_method_named_twice_is_scored_once() {
 }
 
 #[test]
+fn a_name_and_a_file_beside_control_no_terminal() {
+    let (code, out, _) = run(&["score", FLIGHT, "--beside", &OTHER.replace("other=", "\u{1b}[2J=")]);
+    assert!(code == 0 && out.contains("\u{fffd}[2J ") && !out.contains('\u{1b}'), "{out:?}");
+    let bytes = file("bytes.csv", "\u{1b}[2J\0\n");
+    refused(&["score", FLIGHT, "--beside", &format!("a={bytes}")], "bytes.csv:1: not text, expected a header line");
+}
+
+#[test]
 fn what_cannot_be_scored_is_said_in_one_line() {
     let bare = file("bare.csv", "time_s,nose_obj_c,ref_roll_deg\n0,1,2\n");
     let later = file("later.csv", "time_s,roll_deg,pitch_deg\n9e9,1,2\n");

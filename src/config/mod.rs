@@ -34,7 +34,7 @@ pub use error::{ConfigError, ConfigErrors};
 pub use settings::Settings;
 
 pub(crate) use nearest::nearest;
-pub(crate) use source::quoted;
+pub(crate) use source::{printable, quoted};
 
 use source::{Place, Source};
 use std::path::{Path, PathBuf};

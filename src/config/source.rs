@@ -87,7 +87,7 @@ impl Source {
 }
 
 /// The character, or a stand-in that cannot move the cursor or hide what follows.
-fn printable(c: char) -> char {
+pub fn printable(c: char) -> char {
     match c {
         '\t' => ' ',
         '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}' => '\u{fffd}',

@@ -3,6 +3,7 @@
 use super::calibrate::CalibrateError;
 use super::kit::{Cause, DaemonError};
 use super::set_address::SetAddressError;
+use crate::config;
 use crate::recording::ReadError;
 use crate::simulation::FaultError;
 use std::error::Error;
@@ -164,7 +165,9 @@ impl From<DaemonError> for CtlError {
     /// A daemon that was asked for its state and refuses it counts as none.
     fn from(error: DaemonError) -> Self {
         match error {
-            DaemonError::Absent(cause) | DaemonError::Refused(cause) => Self::NoDaemon(cause),
+            DaemonError::Absent(cause) | DaemonError::Refused(cause) => {
+                Self::NoDaemon(cause)
+            }
         }
     }
 }
@@ -199,7 +202,12 @@ pub fn chain(error: &dyn Error) -> String {
         }
         cause = e.source();
     }
-    line.replace('\n', "; ")
+    printable(&line.replace('\n', "; "))
+}
+
+/// Foreign text as a terminal may have it: without what could control it.
+pub fn printable(text: &str) -> String {
+    text.chars().map(config::printable).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! A recording opened for the daemon's pipeline: its settings, its frames, what is given of them.
 
-use super::error::{CtlError, chain};
+use super::error::{CtlError, chain, printable};
 use super::kit::Kit;
 use super::recording_args::RecordingArgs;
 use crate::attitude::{Attitude, Estimate};
@@ -38,7 +38,7 @@ pub fn open(args: &RecordingArgs, kit: &Kit, err: &mut dyn Write) -> Result<Open
     let head = if settings.sensors.is_empty() { None } else { Some(settings.head()) };
     let reader = recording.frames(head)?;
     for notice in reader.notices() {
-        let _ = writeln!(err, "notice: {notice}");
+        let _ = writeln!(err, "notice: {}", printable(notice));
     }
     Ok(Opened { settings, reader })
 }

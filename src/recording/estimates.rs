@@ -46,18 +46,19 @@ impl<R: BufRead> Estimates<R> {
     /// Reads the header of `input`; errors call it `file`.
     pub fn new(input: R, file: String) -> Result<Self, ReadError> {
         let mut lines = Lines::new(input);
-        loop {
-            match lines.advance().map_err(|source| ReadError::Io { file: file.clone(), line: lines.number, source })? {
-                Line::End => return Err(ReadError::Empty { file }),
-                Line::TooLong => return Err(ReadError::NotText { file, line: lines.number }),
-                _ if lines.line().is_empty() || lines.line().starts_with(b"#") => {}
-                _ => break,
+        let text = loop {
+            let ended =
+                lines.advance().map_err(|source| ReadError::Io { file: file.clone(), line: lines.number, source })?;
+            match (ended, lines.text()) {
+                (Line::End, _) => return Err(ReadError::Empty { file }),
+                (Line::TooLong, _) | (_, None) => return Err(ReadError::NotText { file, line: lines.number }),
+                (_, Some(text)) if text.is_empty() || text.starts_with('#') => {}
+                (_, Some(text)) => break text,
             }
-        }
-        let text = lines.line().strip_prefix(b"\xef\xbb\xbf").unwrap_or(lines.line());
+        };
         let place = |cell: &[u8]| COLUMNS.iter().position(|c| c.as_bytes() == cell);
-        let columns: Vec<Option<usize>> = cells(text).map(place).collect();
-        let mut found = String::from_utf8_lossy(text).into_owned();
+        let columns: Vec<Option<usize>> = cells(text.as_bytes()).map(place).collect();
+        let mut found = text.to_owned();
         found.truncate(found.floor_char_boundary(80));
         let line = lines.number;
         if !columns.contains(&Some(0)) {
@@ -132,6 +133,8 @@ mod tests {
         assert!(matches!(open(""), Err(ReadError::Empty { .. })));
         assert!(matches!(open("roll_deg,pitch_deg\n"), Err(ReadError::NoTime { .. })));
         assert!(matches!(open("time_s,roll_deg\n"), Err(ReadError::NoEstimates { column: "pitch_deg", .. })));
+        let bytes = Estimates::new(&b"\x9f\x1b[2J\n1\n"[..], "out.csv".into());
+        assert!(matches!(bytes, Err(ReadError::NotText { line: 1, .. })));
         assert!(matches!(open(&"x".repeat(1 << 20)), Err(ReadError::NotText { .. })));
     }
 }

@@ -60,6 +60,12 @@ impl<R: BufRead> Lines<R> {
         &self.buffer
     }
 
+    /// It as text, without a mark before it and blanks around it; `None` where it is none.
+    pub fn text(&self) -> Option<&str> {
+        let text = std::str::from_utf8(self.line()).ok().filter(|t| !t.contains('\0'))?;
+        Some(text.trim_start_matches('\u{feff}').trim())
+    }
+
     /// Skips the rest of an over-long line.
     fn skip(&mut self) -> Result<()> {
         self.buffer.clear();

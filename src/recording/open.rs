@@ -48,9 +48,7 @@ impl<R: BufRead> Recording<R> {
                 Ok(ended) => ended,
                 Err(source) => return Err(ReadError::Io { file, line: lines.number, source }),
             };
-            let text = std::str::from_utf8(lines.line()).ok().filter(|t| !t.contains('\0'));
-            let text = text.map(|t| t.trim_start_matches('\u{feff}').trim());
-            match (ended, text) {
+            match (ended, lines.text()) {
                 (Line::End, _) => return Err(ReadError::Empty { file }),
                 (Line::TooLong, _) | (_, None) => return Err(ReadError::NotText { file, line: lines.number }),
                 (_, Some("")) => {}

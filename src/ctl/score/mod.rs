@@ -8,7 +8,7 @@ mod row;
 pub mod statistics;
 mod table;
 
-use super::error::CtlError;
+use super::error::{CtlError, printable};
 use super::kit::{Kit, Pipeline};
 use super::opening::{Fresh, Opened, allowed, open, tell_tally, with_method};
 use super::recording_args::{MethodChoice, ScoreArgs, ScoreFormat};
@@ -119,6 +119,7 @@ pub fn command(args: &ScoreArgs, kit: &Kit, out: &mut dyn Write, err: &mut dyn W
     let file = path.display().to_string();
     let text = match args.format {
         ScoreFormat::Plain => {
+            let file = printable(&file);
             format!("{file}: {compared} of {rows} rows compared; left out: {left_out}\n\n{}", table::table(&scores))
         }
         ScoreFormat::Json => {

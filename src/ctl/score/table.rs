@@ -1,6 +1,7 @@
 //! Scores as people read them: a row for each method.
 
 use super::statistics::Score;
+use crate::ctl::error::printable;
 use std::fmt::Write as _;
 
 /// Titles over groups of columns, then over each; their widths; decimals.
@@ -22,6 +23,7 @@ const DECIMALS: [usize; 14] = [0, 1, 2, 2, 2, 2, 2, 2, 2, 2, 2, 1, 1, 1];
 
 /// A line for each score under two lines of titles.
 pub fn table(scores: &[(String, Score)]) -> String {
+    let scores: Vec<_> = scores.iter().map(|(name, score)| (printable(name), score)).collect();
     let width = scores.iter().map(|(name, _)| name.chars().count()).chain(["method".len()]).max().unwrap_or(0);
     let mut text = " ".repeat(width);
     for (title, columns) in GROUPS {
@@ -32,9 +34,9 @@ pub fn table(scores: &[(String, Score)]) -> String {
         let _ = write!(text, "{title:>columns$}");
     }
     text.push('\n');
-    for (name, score) in scores {
+    for (name, score) in &scores {
         let _ = write!(text, "{name:<width$}");
-        let mut score = *score;
+        let mut score = **score;
         let rows = Some(score.rows as f64);
         let values = std::iter::once(rows).chain(score.figures().map(|f| *f));
         for ((value, columns), decimals) in values.zip(WIDTHS).zip(DECIMALS) {
