@@ -167,6 +167,28 @@ fn output_goes_to_a_file_but_never_over_the_recording() {
 }
 
 #[test]
+fn nothing_usable_is_a_failure_and_leaves_the_output_alone() {
+    let output = file("kept.csv", "old");
+    for (name, rows) in [("header.csv", ""), ("nan.csv", "nan,1\nnan,2\n"), ("below.csv", "-2,1\n-1,2\n")] {
+        let input = file(name, &format!("time_s,nose_obj_c\n{rows}"));
+        let (code, out, err) = replay(&[&input, "--output", &output]);
+        assert_eq!((code, out.as_str()), (1, ""), "{name}");
+        assert!(err.ends_with(&format!("{input} has no usable row: nothing was replayed, nothing written\n")), "{err}");
+        assert_eq!(std::fs::read_to_string(&output).unwrap(), "old", "{name}");
+        assert_eq!(err.contains("2 with a time below 0 (first at line 2)"), name == "below.csv", "{err}");
+    }
+}
+
+#[test]
+fn a_time_in_another_unit_is_asked_about() {
+    for (step, asked) in [(0.02, false), (1.0, false), (20.0, true), (20_000.0, true), (2e9, true)] {
+        let rows: String = (1..50).map(|i| format!("{},1\n", f64::from(i) * step)).collect();
+        let (_, _, err) = replay(&[&file("unit.csv", &format!("time_s,nose_obj_c\n{rows}"))]);
+        assert_eq!(err.contains("is time_s in seconds?"), asked, "{step}: {err}");
+    }
+}
+
+#[test]
 fn nothing_in_a_recording_controls_the_terminal() {
     let evil = "\u{1b}[2J\u{1b}]0;evil\u{7}";
     for (name, text) in [

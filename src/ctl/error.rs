@@ -80,6 +80,12 @@ pub enum CtlError {
         /// The file.
         path: PathBuf,
     },
+    /// No row gave a frame.
+    #[error("{path} has no usable row: nothing was replayed, nothing written")]
+    NothingToReplay {
+        /// The recording.
+        path: PathBuf,
+    },
     /// There is nothing to score against.
     #[error("{path} has no column {column}: a reference to score against is ref_roll_deg and ref_pitch_deg")]
     NoReference {

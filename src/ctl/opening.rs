@@ -45,19 +45,26 @@ pub fn open(args: &RecordingArgs, kit: &Kit, err: &mut dyn Write) -> Result<Open
 
 /// A new file at `path`, but never over the recording.
 pub fn create(path: &Path, recording: &Path) -> Result<File, CtlError> {
-    let same = |a: fs::Metadata, b: fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
-    if let (Ok(a), Ok(b)) = (fs::metadata(recording), fs::metadata(path))
-        && same(a, b)
-    {
-        return Err(CtlError::OverItself { path: path.to_owned() });
-    }
+    not_over(path, recording)?;
     File::create(path).map_err(|source| CtlError::Write { path: path.to_owned(), rows: None, source })
+}
+
+/// Whether `path` is another file than the recording.
+pub fn not_over(path: &Path, recording: &Path) -> Result<(), CtlError> {
+    let same = |a: &fs::Metadata, b: &fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
+    match (fs::metadata(recording), fs::metadata(path)) {
+        (Ok(a), Ok(b)) if same(&a, &b) => Err(CtlError::OverItself { path: path.to_owned() }),
+        _ => Ok(()),
+    }
 }
 
 /// Says on `err` what of the recording could not be used.
 pub fn tell_tally(reader: &Reader<BufReader<File>>, err: &mut dyn Write) {
     if !reader.tally().is_clean() {
         let _ = writeln!(err, "notice: {}", reader.tally());
+    }
+    if reader.tally().is_other_unit() {
+        let _ = writeln!(err, "notice: most rows are without time or far from the row before: is time_s in seconds?");
     }
 }
 

@@ -3,13 +3,15 @@
 use super::cli::ReplayArgs;
 use super::error::CtlError;
 use super::kit::Kit;
-use super::opening::{Fresh, Opened, create, open, tell_tally};
+use super::opening::{Fresh, Opened, not_over, open, tell_tally};
 use crate::attitude::{Attitude, Estimate, Mode};
 use crate::frame::{Aiding, Frame};
 use crate::head::Head;
 use crate::recording::{ReadError, Reader, push_digits, push_fixed};
 use std::fmt::Write as _;
+use std::fs::File;
 use std::io::{self, BufRead, BufWriter, Write};
+use std::path::Path;
 
 /// The columns of what `replay` writes.
 pub const HEADER: &str = "time_s,roll_deg,pitch_deg,roll_sigma_deg,pitch_sigma_deg,contrast_c,mode,faults\n";
@@ -36,7 +38,8 @@ pub enum Stop {
     Write(io::Error),
 }
 
-/// Writes a line for each frame of `reader` after `update` has seen it; without its aiding if so told.
+/// Writes a line for each frame of `reader` after `update` has seen it, and a header before the first; without its
+/// aiding if so told.
 pub fn replay<R: BufRead>(
     reader: &mut Reader<R>,
     no_aiding: bool,
@@ -50,13 +53,15 @@ pub fn replay<R: BufRead>(
     let mut line = String::with_capacity(256);
     let mut first = None;
     let mut fresh = Fresh::default();
-    out.write_all(HEADER.as_bytes()).map_err(Stop::Write)?;
     while reader.next_frame(&mut frame).map_err(Stop::Read)? {
         if no_aiding {
             frame.aiding = Aiding::default();
         }
         update(&frame, &mut estimate);
         line.clear();
+        if summary.frames == 0 {
+            line.push_str(HEADER);
+        }
         row(&frame, &estimate, fresh.take(&estimate), &head, &mut line);
         out.write_all(line.as_bytes()).map_err(Stop::Write)?;
         summary.frames += 1;
@@ -91,6 +96,26 @@ fn row(frame: &Frame, estimate: &Estimate, given: Option<Attitude>, head: &Head,
     line.push('\n');
 }
 
+/// A file that is made when something is written to it: what is there stays where nothing is.
+struct Late<'a> {
+    path: &'a Path,
+    file: Option<File>,
+}
+
+impl Write for Late<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let file = match &mut self.file {
+            Some(file) => file,
+            none => none.insert(File::create(self.path)?),
+        };
+        file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.as_mut().map_or(Ok(()), Write::flush)
+    }
+}
+
 /// Does what the command line says; notices and the summary go to `err`.
 pub fn command(args: &ReplayArgs, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> Result<(), CtlError> {
     let Opened { settings, mut reader } = open(&args.recording, kit, err)?;
@@ -101,12 +126,14 @@ pub fn command(args: &ReplayArgs, kit: &Kit, out: &mut dyn Write, err: &mut dyn 
             replay(&mut reader, args.recording.no_aiding, &mut pipeline, &mut out)
         }
         Some(path) => {
-            let mut out = BufWriter::with_capacity(64 * 1024, create(path, &args.recording.file)?);
+            not_over(path, &args.recording.file)?;
+            let mut out = BufWriter::with_capacity(64 * 1024, Late { path, file: None });
             replay(&mut reader, args.recording.no_aiding, &mut pipeline, &mut out)
         }
     };
     tell_tally(&reader, err);
     match result {
+        Ok(Summary { frames: 0, .. }) => Err(CtlError::NothingToReplay { path: args.recording.file.clone() }),
         Ok(summary) => {
             let _ = writeln!(err, "{}", describe(&summary));
             Ok(())
@@ -120,9 +147,6 @@ pub fn command(args: &ReplayArgs, kit: &Kit, out: &mut dyn Write, err: &mut dyn 
 }
 
 fn describe(summary: &Summary) -> String {
-    if summary.frames == 0 {
-        return "no frames: the recording has no usable row".to_owned();
-    }
     let plural = if summary.frames == 1 { "" } else { "s" };
     let mut text = format!("{} frame{plural} over {:.1} s", summary.frames, summary.seconds);
     for mode in [Mode::Starting, Mode::Nominal, Mode::Degraded, Mode::Faulted] {

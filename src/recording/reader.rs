@@ -19,6 +19,8 @@ const VOLTS: RangeInclusive<f64> = -100.0..=100.0;
 const OTHERS: RangeInclusive<f64> = -1e7..=1e7;
 /// A step forward that the next row must bear out, ns: an hour.
 const LEAP_NANOS: u64 = 3_600_000_000_000;
+/// A step between rows that is odd, ns.
+const WIDE_NANOS: u64 = 10_000_000_000;
 
 /// What an instrument of better knowledge said, °. Never part of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -136,7 +138,7 @@ impl<R: BufRead> Reader<R> {
         if ended == Line::TooLong {
             return Err(RowFault::TooLong);
         }
-        let mut time = None;
+        let (mut time, mut negative) = (None, false);
         let mut bad_cells = 0;
         let mut reference = [None; REFERENCE.len()];
         self.objects.fill(Err(Missing::Empty));
@@ -162,7 +164,10 @@ impl<R: BufRead> Reader<R> {
                 }
             };
             match *column {
-                Column::Time => time = parse_nanos(cell),
+                Column::Time => {
+                    time = parse_nanos(cell);
+                    negative = time.is_none() && parse(cell).is_some_and(|s| s < 0.0);
+                }
                 Column::Object(s) => self.objects[s] = number(TEMPERATURES_C),
                 Column::Volts(s) => self.objects[s] = number(VOLTS),
                 Column::Ambient(s) => self.ambients[s] = number(TEMPERATURES_C).ok().or(self.ambients[s]),
@@ -178,7 +183,7 @@ impl<R: BufRead> Reader<R> {
         if ended == Line::Cut && self.ours {
             return Err(RowFault::Truncated);
         }
-        let time = time.ok_or(RowFault::NoTime)?;
+        let time = time.ok_or(if negative { RowFault::Negative } else { RowFault::NoTime })?;
         self.order(time)?;
         self.tally.cells += bad_cells;
         let [roll_deg, pitch_deg, yaw_deg] = reference;
@@ -198,6 +203,7 @@ impl<R: BufRead> Reader<R> {
                 self.suspect = Some(time);
                 return Err(RowFault::Ahead);
             }
+            self.tally.wide += u64::from(time - last > WIDE_NANOS);
         }
         self.last = Some(time);
         self.suspect = None;

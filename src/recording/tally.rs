@@ -7,6 +7,8 @@ use std::fmt;
 pub enum RowFault {
     /// Its time is absent or no number of seconds.
     NoTime,
+    /// Its time is before 0.
+    Negative,
     /// Its time is not after the row's before.
     Backwards,
     /// Its time lies more than an hour ahead, and the next row's does not bear it out.
@@ -20,8 +22,9 @@ pub enum RowFault {
 }
 
 impl RowFault {
-    const ALL: [(Self, &'static str); 6] = [
+    const ALL: [(Self, &'static str); 7] = [
         (Self::NoTime, "without time"),
+        (Self::Negative, "with a time below 0"),
         (Self::Backwards, "not after the row before"),
         (Self::Ahead, "alone in the future"),
         (Self::Ragged, "with too many or too few cells"),
@@ -37,6 +40,8 @@ pub struct Tally {
     pub rows: u64,
     /// Cells of known columns that held no usable number.
     pub cells: u64,
+    /// Rows that gave a frame more than 10 s after the one before.
+    pub wide: u64,
     faults: [(u64, u64); RowFault::ALL.len()],
 }
 
@@ -54,6 +59,13 @@ impl Tally {
     /// Whether everything could be used.
     pub fn is_clean(&self) -> bool {
         self.cells == 0 && self.unusable() == 0
+    }
+
+    /// Whether most rows are as those of a time in another unit: milliseconds step too wide, microseconds lie in the
+    /// future, and such a time of day is beyond any number of seconds.
+    pub fn is_other_unit(&self) -> bool {
+        let odd = self.wide + self.count(RowFault::Ahead) + self.count(RowFault::NoTime);
+        2 * odd > self.rows
     }
 
     pub(super) fn add(&mut self, fault: RowFault, line: u64) {
