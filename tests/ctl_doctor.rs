@@ -13,6 +13,7 @@ use irhorizon::ctl::doctor::facts::{Lateness, Service, Silence};
 use irhorizon::ctl::doctor::{Check, Verdict, findings, report};
 use irhorizon::ctl::kit::Kit;
 use irhorizon::ctl::run;
+use irhorizon::ctl::view::Status;
 use process::{CTL, Daemon, Folder};
 use proptest::prelude::*;
 use std::path::Path;
@@ -39,6 +40,15 @@ fn findings_word_for_word() {
 fn a_well_installation_has_nothing_to_be_done() {
     let found = findings(&well());
     assert!(found.iter().all(|f| matches!(f.verdict, Verdict::Ok | Verdict::Skipped)), "{found:?}");
+}
+
+#[test]
+fn scans_without_a_measurement_are_not_well() {
+    let mut f = well();
+    f.daemon = f.daemon.map(|status| Status { sample_age_s: f64::NAN, ..status });
+    let found = findings(&f);
+    let timing = found.iter().find(|f| f.check == Check::Timing).unwrap();
+    assert_eq!((timing.verdict, &*timing.evidence), (Verdict::Warn, "50.0 scans a second, and no measurement yet"));
 }
 
 #[test]

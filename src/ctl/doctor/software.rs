@@ -182,11 +182,17 @@ fn timing(f: &Facts) -> Finding {
                 "a sensor that fails costs time: mend the failures told here, else set [daemon] rate-hz lower",
             )
         }
-        (Ok(status), ..) => {
-            let text =
-                format!("{:.1} scans a second, the newest {:.0} ms old", status.rate_hz, status.sample_age_s * 1e3);
-            if status.rate_hz > 0.0 { Check::Timing.ok("", text) } else { Check::Timing.skipped("", "no scan yet") }
-        }
+        (Ok(status), ..) if status.rate_hz <= 0.0 => Check::Timing.skipped("", "no scan yet"),
+        // Scans go on, and none of them has read anything.
+        (Ok(status), ..) if status.sample_age_s.is_nan() => Check::Timing.warn(
+            "",
+            format!("{:.1} scans a second, and no measurement yet", status.rate_hz),
+            "mend what is told of the sensors here: irhorizonctl sensors",
+        ),
+        (Ok(status), ..) => Check::Timing.ok(
+            "",
+            format!("{:.1} scans a second, the newest {:.0} ms old", status.rate_hz, status.sample_age_s * 1e3),
+        ),
         (Err(_), Some(rate_hz), Some(l)) => {
             let text = format!(
                 "woken {:.2} ms late on the mean and {:.2} ms at most, of {} times at {rate_hz} Hz",
