@@ -8,11 +8,13 @@ mod setup_kit;
 use dbus_bus::Bus;
 use irhorizon::head::SensorKind;
 use process::Folder;
+use rustix::process::Signal;
 use setup_kit::bus::{ADAPTER_HAS_PEC, Chip, WRITES, adc, cell, chips, mlx};
 use setup_kit::daemon::{LOOKS, RELOADS, RUNS_ON};
 use setup_kit::{ANSWERS, PROCESS, ctl};
 use std::fs;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 #[test]
 fn one_sensor_gets_another_address() {
@@ -310,6 +312,28 @@ fn offsets_of_digital_sensors_are_measured_against_each_other() {
     RUNS_ON.set(one.clone().into());
     let (code, out, err) = ctl(&format!("--bus fake:still calibrate neutral --yes --config {one}"));
     assert!(code == 0 && out.contains("vert") && !out.contains("nose"), "{out} {err}");
+}
+
+#[test]
+fn a_daemon_that_hangs_is_none_that_answers() {
+    let (bus, folder) = (Bus::new(), Folder::new());
+    let address = bus.address();
+    let text = format!("[simulation]\nenabled = true\n[dbus]\nbus = \"{address}\"\n");
+    let daemon = process::Daemon::start(&folder, &text);
+    let real = |line: &str| {
+        let args = ["--bus", &address].into_iter().chain(line.split_whitespace());
+        std::process::Command::new(process::CTL).args(args).output().unwrap()
+    };
+    assert!(real("wait-ready --timeout 20").status.success());
+    daemon.signal(Signal::STOP);
+    let begun = Instant::now();
+    assert_eq!(real("wait-ready --timeout 1").status.code(), Some(3));
+    assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
+    for line in ["status", "record -"] {
+        let output = real(line);
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(3) && err.contains("no answer within 3 s"), "{line}: {err}");
+    }
 }
 
 #[test]

@@ -37,6 +37,8 @@ pub enum ClientError {
     Config(String),
     /// The daemon cannot do that now: why.
     Busy(String),
+    /// The daemon does not answer in time: what, and how long it was given.
+    Silent(&'static str, String),
     /// The daemon answers otherwise than expected: to what, and how.
     Answer(&'static str, String),
 }
@@ -73,7 +75,7 @@ impl fmt::Display for ClientError {
             ),
             Self::Config(text) => f.write_str(text),
             Self::Busy(why) => f.write_str(why),
-            Self::Answer(what, how) => {
+            Self::Silent(what, how) | Self::Answer(what, how) => {
                 write!(f, "{what}: {how}; is irhorizond of this version, and well? journalctl -u irhorizond")
             }
         }
@@ -86,14 +88,21 @@ impl std::error::Error for ClientError {}
 pub struct Client {
     bus: BusAddress,
     connection: Option<Connection>,
+    /// As long as the daemon may take to answer.
+    limit: Duration,
 }
 
 impl Client {
     /// Connects to the bus; whether the daemon is there shows when it is asked.
     pub fn connect(bus: &BusAddress) -> Result<Self, ClientError> {
-        let mut client = Self { bus: bus.clone(), connection: None };
+        let mut client = Self { bus: bus.clone(), connection: None, limit: ANSWER_LIMIT };
         let _ = zbus::block_on(client.connection())?;
         Ok(client)
+    }
+
+    /// From now on gives the daemon no longer than `limit` to answer, and never longer than usual.
+    pub fn answer_within(&mut self, limit: Duration) {
+        self.limit = limit.min(ANSWER_LIMIT);
     }
 
     /// The daemon's state now.
@@ -155,7 +164,7 @@ impl Client {
     where
         B: serde::Serialize + DynamicType,
     {
-        self.call_within(ANSWER_LIMIT, what, interface, method, body).await
+        self.call_within(self.limit, what, interface, method, body).await
     }
 
     /// Calls a method of the daemon's object. Its owner is asked for first: a call by name would
@@ -186,7 +195,7 @@ async fn within<T>(limit: Duration, ask: impl Future<Output = zbus::Result<T>>) 
     match SharedRuntime::current()?.timeout(limit, ask).await {
         Ok(outcome) => outcome,
         Err(_) => {
-            let text = format!("no answer within {} s", limit.as_secs());
+            let text = format!("no answer within {} s", limit.as_secs_f64());
             Err(std::io::Error::new(std::io::ErrorKind::TimedOut, text).into())
         }
     }
@@ -212,7 +221,7 @@ fn explain(what: &'static str, bus: &BusAddress, error: zbus::Error) -> ClientEr
             e => ClientError::Answer(what, e.to_string()),
         },
         zbus::Error::InputOutput(e) if e.kind() == std::io::ErrorKind::TimedOut => {
-            ClientError::Answer(what, e.to_string())
+            ClientError::Silent(what, e.to_string())
         }
         zbus::Error::InputOutput(e) => ClientError::NoBus(bus.clone(), e.to_string()),
         e => ClientError::Answer(what, e.to_string()),

@@ -168,10 +168,10 @@ fn between(times_s: Option<(f64, f64)>) -> String {
 }
 
 impl From<DaemonError> for CtlError {
-    /// A daemon that was asked for its state and refuses it counts as none.
+    /// A daemon that was asked for its state and refuses it, or does not answer, counts as none.
     fn from(error: DaemonError) -> Self {
         match error {
-            DaemonError::Absent(cause) | DaemonError::Refused(cause) => {
+            DaemonError::Absent(cause) | DaemonError::Silent(cause) | DaemonError::Refused(cause) => {
                 Self::NoDaemon(cause)
             }
         }

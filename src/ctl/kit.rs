@@ -25,6 +25,8 @@ pub type Cause = Box<dyn Error + Send + Sync>;
 pub enum DaemonError {
     /// There is none on the bus, or no bus.
     Absent(Cause),
+    /// It is there and does not answer in time.
+    Silent(Cause),
     /// It is there and refuses, or answers nonsense.
     Refused(Cause),
 }
@@ -39,6 +41,9 @@ pub trait Daemon {
 
     /// Makes it read its configuration again.
     fn reload(&mut self) -> Result<(), DaemonError>;
+
+    /// From now on waits no longer than `limit` for its state, where that is less than it would be.
+    fn answer_within(&mut self, _limit: Duration) {}
 }
 
 /// The daemon's own way from a frame to an estimate.
@@ -105,7 +110,11 @@ fn ask(question: &str) -> io::Result<bool> {
 
 impl From<ClientError> for DaemonError {
     fn from(error: ClientError) -> Self {
-        if error.no_daemon() { Self::Absent(error.into()) } else { Self::Refused(error.into()) }
+        match error {
+            e if e.no_daemon() => Self::Absent(e.into()),
+            e @ ClientError::Silent(..) => Self::Silent(e.into()),
+            e => Self::Refused(e.into()),
+        }
     }
 }
 
@@ -121,5 +130,9 @@ impl Daemon for Client {
 
     fn reload(&mut self) -> Result<(), DaemonError> {
         Ok(Client::reload(self)?)
+    }
+
+    fn answer_within(&mut self, limit: Duration) {
+        Client::answer_within(self, limit);
     }
 }

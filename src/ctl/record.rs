@@ -178,7 +178,7 @@ pub(super) fn receive(frames: &OwnedFd, packet: &mut [u8], timeout: Duration) ->
 /// The daemon's stream of frames.
 pub(super) fn frames(daemon: &mut dyn Daemon) -> Result<OwnedFd, CtlError> {
     daemon.frames().map_err(|e| match e {
-        DaemonError::Absent(cause) => CtlError::NoDaemon(cause),
+        DaemonError::Absent(cause) | DaemonError::Silent(cause) => CtlError::NoDaemon(cause),
         DaemonError::Refused(cause) => CtlError::NoFrames(cause),
     })
 }

@@ -10,6 +10,9 @@ use std::time::{Duration, Instant};
 /// Between two looks.
 const LOOK: Duration = Duration::from_millis(100);
 
+/// The least time that an answer is given, so that a last look can have one.
+const LEAST: Duration = Duration::from_millis(500);
+
 /// Waits for the daemon on `bus`. One that is not there, or not yet, is waited for too.
 pub fn command(args: &WaitArgs, bus: &BusAddress, kit: &Kit) -> Result<(), CtlError> {
     let begun = Instant::now();
@@ -19,6 +22,10 @@ pub fn command(args: &WaitArgs, bus: &BusAddress, kit: &Kit) -> Result<(), CtlEr
             Some(connected) => connected,
             None => daemon.insert((kit.connect)(bus)?),
         };
+        let left = Duration::from_secs_f64(args.timeout).saturating_sub(begun.elapsed());
+        if args.timeout > 0.0 {
+            connected.answer_within(left.max(LEAST));
+        }
         connected.status()
     };
     until(args, &mut look, &|| begun.elapsed(), &mut std::thread::sleep)

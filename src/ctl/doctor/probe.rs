@@ -33,7 +33,7 @@ pub fn gather(file: &Path, asked: &BusAddress, kit: &Kit) -> Facts {
     let configuration = (kit.load)(file).map_err(|e| e.to_string());
     let daemon = (kit.connect)(asked).and_then(|mut daemon| daemon.status()).map_err(|e| match e {
         DaemonError::Absent(why) => Silence::Absent(chain(why.as_ref())),
-        DaemonError::Refused(why) => Silence::Refused(chain(why.as_ref())),
+        DaemonError::Silent(why) | DaemonError::Refused(why) => Silence::Refused(chain(why.as_ref())),
     });
     let mut facts = Facts {
         file: file.to_owned(),
