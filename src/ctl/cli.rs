@@ -138,7 +138,7 @@ pub struct RecordArgs {
     /// The file, - for standard output; irhorizon-DATE-TIME.csv when not given
     pub file: Option<PathBuf>,
     /// End after this many seconds
-    #[arg(long, value_parser = seconds)]
+    #[arg(long, value_parser = seconds, allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Overwrite the file when it is there already
     #[arg(long)]
@@ -166,13 +166,13 @@ pub struct SimulateArgs {
     #[arg(long)]
     pub list: bool,
     /// What chance decides: the same seed, the same recording
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
     /// How long, up to 7200
-    #[arg(long, default_value_t = scenario::SECONDS, value_parser = flight_seconds)]
+    #[arg(long, default_value_t = scenario::SECONDS, value_parser = flight_seconds, allow_negative_numbers = true)]
     pub seconds: f64,
     /// Scans a second, 1 to 200
-    #[arg(long, default_value_t = 50.0, value_parser = rate)]
+    #[arg(long, default_value_t = 50.0, value_parser = rate, allow_negative_numbers = true)]
     pub rate: f64,
     /// Fly the demonstration's script instead of turns by chance
     #[arg(long)]
@@ -237,6 +237,26 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_negative_number_is_told_its_range() {
+        for line in [
+            "simulate clear-dry --seed -1",
+            "simulate clear-dry --seconds -1",
+            "simulate clear-dry --rate -1",
+            "record --seconds -1",
+            "score a.csv --skip -1",
+            "score a.csv --min-ground-speed -0.5",
+            "plot flight a.csv --from -5",
+            "plot flight a.csv --to -5",
+            "calibrate --seconds -1",
+            "wait-ready --timeout -1",
+        ] {
+            let words = ["irhorizonctl"].into_iter().chain(line.split_whitespace());
+            let error = Cli::try_parse_from(words).unwrap_err();
+            assert_eq!(error.kind(), clap::error::ErrorKind::ValueValidation, "{line}: {error}");
+        }
     }
 
     #[test]

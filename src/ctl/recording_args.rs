@@ -58,10 +58,10 @@ pub struct ScoreArgs {
     #[arg(long, value_name = "NAME=OUT.csv", value_parser = beside)]
     pub beside: Vec<Beside>,
     /// Leave out the first seconds
-    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = not_negative)]
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = not_negative, allow_negative_numbers = true)]
     pub skip: f64,
     /// Leave out rows at this ground speed or below, m/s, and those before one is known
-    #[arg(long, value_name = "M_S", value_parser = not_negative)]
+    #[arg(long, value_name = "M_S", value_parser = not_negative, allow_negative_numbers = true)]
     pub min_ground_speed: Option<f64>,
     /// How to say it
     #[arg(long, value_enum, default_value_t)]
@@ -96,10 +96,10 @@ pub struct PlotArgs {
     #[arg(long, value_name = "OUT.svg")]
     pub output: Option<PathBuf>,
     /// Begin at this time of the recording, s
-    #[arg(long, value_name = "S", value_parser = not_negative)]
+    #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     pub from: Option<f64>,
     /// End at this time of the recording, s
-    #[arg(long, value_name = "S", value_parser = not_negative)]
+    #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     pub to: Option<f64>,
 }
 

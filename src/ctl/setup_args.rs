@@ -47,7 +47,7 @@ pub struct CalibrateArgs {
     #[arg(long, value_name = "FILE", default_value = DEFAULT_CONFIG)]
     pub config: PathBuf,
     /// How long to average
-    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = averaged)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = averaged, allow_negative_numbers = true)]
     pub seconds: f64,
     /// Say what would be saved, and save nothing
     #[arg(long)]
@@ -74,7 +74,7 @@ pub enum Quantity {
 #[derive(Clone, Copy, Debug, Args)]
 pub struct WaitArgs {
     /// How long to wait; 0: one look
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = patience)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = patience, allow_negative_numbers = true)]
     pub timeout: f64,
     /// What counts as ready
     #[arg(long, value_enum, default_value_t)]
