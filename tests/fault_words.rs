@@ -62,8 +62,8 @@ fn faults_are_read_as_they_are_written() {
 #[test]
 fn what_is_written_wrong_is_told_with_what_would_be_right() {
     for (text, told) in [
-        ("", "does not say when"),
-        ("off:nose", "off:nose does not say when: append @FROM..TO"),
+        ("", "\"\" does not say when"),
+        ("off:nose", "\"off:nose\" does not say when: append @FROM..TO"),
         ("@1..2", "nothing is no kind of fault; there are off, stuck"),
         ("stcuk:nose@1..", "did you mean stuck?"),
         ("Wet:nose@1..", "did you mean wet?"),
@@ -80,8 +80,12 @@ fn what_is_written_wrong_is_told_with_what_would_be_right() {
         ("ridge:nose@1..", "nose is none"),
         ("ridge:1e9@1..", "1e9 is none"),
         ("off:nose@", "is no stretch of time"),
-        ("off:nose@10", "10 is no stretch of time"),
-        ("off:nose@..10", "..10 is no stretch"),
+        (
+            "off:nose@10",
+            "\"10\" is no stretch of time: FROM..TO in seconds since the flight began, FROM 0 or more and TO later, as in 10..",
+        ),
+        ("off:nose@1.5", "as in 1.5.."),
+        ("off:nose@..10", "\"..10\" is no stretch"),
         ("off:nose@20..10", "FROM 0 or more and TO later"),
         ("off:nose@10..10", "is no stretch"),
         ("off:nose@-1..10", "is no stretch"),

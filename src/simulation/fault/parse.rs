@@ -13,13 +13,19 @@ const LATEST_S: f64 = 1e9;
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum FaultError {
     /// There is no `@`.
-    #[error("{0} does not say when: append @FROM..TO in seconds, as in off:nose@10..20 (TO left out: to the end)")]
+    #[error("\"{0}\" does not say when: append @FROM..TO in seconds, as in off:nose@10..20 (TO left out: to the end)")]
     NoTime(String),
     /// What follows `@` is no stretch of time.
     #[error(
-        "{0} is no stretch of time: FROM..TO in seconds since the flight began, FROM 0 or more and TO later, as in 10..20"
+        "\"{said}\" is no stretch of time: FROM..TO in seconds since the flight began, FROM 0 or more and TO later, as \
+         in {example}"
     )]
-    Time(String),
+    Time {
+        /// What was said.
+        said: String,
+        /// What was probably meant.
+        example: String,
+    },
     /// There is no such kind.
     #[error("{kind} is no kind of fault; {advice}")]
     Kind {
@@ -76,7 +82,7 @@ impl FromStr for Fault {
         })?;
         let strength = read_strength(strength, &about)?;
         let who = read_who(who, &about)?;
-        let (from_s, to_s) = stretch(when).ok_or_else(|| FaultError::Time(quoted(when)))?;
+        let (from_s, to_s) = stretch(when).ok_or_else(|| no_stretch(when))?;
         Ok(Self { kind: about.kind, strength, who, from_s, to_s })
     }
 }
@@ -136,9 +142,18 @@ fn read_who(text: Option<&str>, about: &About) -> Result<Who, FaultError> {
     })
 }
 
+/// A moment alone was probably meant to go on to the end.
+fn no_stretch(text: &str) -> FaultError {
+    let example = if seconds(text).is_some() { format!("{text}..") } else { "10..20".to_owned() };
+    FaultError::Time { said: quoted(text), example }
+}
+
+fn seconds(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|s| (0.0..=LATEST_S).contains(s))
+}
+
 fn stretch(text: &str) -> Option<(f64, f64)> {
     let (from, to) = text.split_once("..")?;
-    let seconds = |text: &str| text.parse().ok().filter(|s| (0.0..=LATEST_S).contains(s));
     let from_s = seconds(from)?;
     let to_s = if to.is_empty() { f64::INFINITY } else { seconds(to)? };
     (from_s < to_s).then_some((from_s, to_s))
