@@ -138,6 +138,7 @@ fn a_fault_that_cannot_be_is_a_wrong_command_line() {
         ("wte:nose@1..", &[], "did you mean wet?"),
         ("wet:nsoe@1..", &[], "there is no sensor nsoe; did you mean nose?"),
         ("wet:nose@1..", &["--differential"], "there is no sensor nose; there are long, lat, vert"),
+        ("wet:nose@1000..2000", &["--seconds", "3"], "begins when the flight of 3 s is over"),
     ] {
         let (code, out, err) = simulate(&[&["clear-dry", "--fault", fault], more].concat());
         assert_eq!((code, out.as_str()), (64, ""), "{fault}");

@@ -96,6 +96,10 @@ fn what_is_written_wrong_is_told_with_what_would_be_right() {
         let error = text.parse::<Fault>().expect_err(text).to_string();
         assert!(error.contains(told), "{text}: {error}");
     }
+    let late = faults(&["off:nose@30.."])[0].clone();
+    assert!(late.check_time(30.5).is_ok());
+    let error = late.check_time(30.0).unwrap_err().to_string();
+    assert!(error.starts_with("off:nose@30.. begins when the flight of 30 s is over"), "{error}");
     let names = ["nose", "tail"];
     let [there, near, far, world] =
         ["off:nose@1..", "off:nosse@1..", "off:long@1..", "hail@1.."].map(|t| faults(&[t])[0].check(&names));

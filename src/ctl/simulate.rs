@@ -79,7 +79,7 @@ pub fn command(args: &SimulateArgs, out: &mut dyn Write, err: &mut dyn Write) ->
     }
     let (head, frames) = (scenario.head(), (args.seconds * args.rate).round().max(1.0) as u64);
     let names: Vec<&str> = head.sensors.iter().map(|s| s.name.as_str()).collect();
-    args.faults.iter().try_for_each(|fault| fault.check(&names))?;
+    args.faults.iter().try_for_each(|fault| fault.check(&names).and_then(|()| fault.check_time(args.seconds)))?;
     let write = |sink: &mut dyn Write| {
         let mut out = BufWriter::with_capacity(BUFFER, sink);
         let mut source = scenario.source(args.seed).with_faults(args.faults.clone());

@@ -10,7 +10,7 @@ use thiserror::Error;
 const LATEST_S: f64 = 1e9;
 
 /// What is wrong with a fault, and what would be right.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 pub enum FaultError {
     /// There is no `@`.
     #[error("\"{0}\" does not say when: append @FROM..TO in seconds, as in off:nose@10..20 (TO left out: to the end)")]
@@ -25,6 +25,14 @@ pub enum FaultError {
         said: String,
         /// What was probably meant.
         example: String,
+    },
+    /// It begins when all is over.
+    #[error("{fault} begins when the flight of {seconds} s is over: let it begin earlier, or fly longer (--seconds)")]
+    TooLate {
+        /// The fault.
+        fault: String,
+        /// How long the flight is, s.
+        seconds: f64,
     },
     /// There is no such kind.
     #[error("{kind} is no kind of fault; {advice}")]
@@ -96,6 +104,11 @@ impl Fault {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Whether it begins within a flight of so many `seconds`.
+    pub fn check_time(&self, seconds: f64) -> Result<(), FaultError> {
+        if self.from_s < seconds { Ok(()) } else { Err(FaultError::TooLate { fault: self.to_string(), seconds }) }
     }
 }
 
