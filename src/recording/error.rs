@@ -1,5 +1,6 @@
 //! Why a recording cannot be read: where, what was expected, the next step.
 
+use super::format::TIME;
 use thiserror::Error;
 
 /// Why a recording cannot be read.
@@ -38,7 +39,7 @@ pub enum ReadError {
         line: u64,
     },
     /// There is no time column.
-    #[error("{file}:{line}: no time_s column among \"{found}\"; name the column of seconds time_s")]
+    #[error("{file}:{line}: no time_s column among \"{found}\"; {hint}")]
     NoTime {
         /// The recording.
         file: String,
@@ -46,6 +47,8 @@ pub enum ReadError {
         line: u64,
         /// The first columns.
         found: String,
+        /// What to do.
+        hint: &'static str,
     },
     /// A file of estimates has no angles.
     #[error("{file}:{line}: no {column} column; expected the columns that irhorizonctl replay writes")]
@@ -92,4 +95,18 @@ pub enum ReadError {
         /// What to do.
         hint: &'static str,
     },
+}
+
+impl ReadError {
+    /// There is no time column in the line `header`.
+    pub(super) fn no_time(file: String, line: u64, mut header: String) -> Self {
+        let separated = header.split([';', '\t']).any(|cell| cell.trim().trim_matches('"') == TIME);
+        let hint = if separated {
+            "separate the columns by commas, and write 0.5 for a half"
+        } else {
+            "name the column of seconds time_s"
+        };
+        header.truncate(header.floor_char_boundary(80));
+        Self::NoTime { file, line, found: header, hint }
+    }
 }

@@ -58,11 +58,9 @@ impl<R: BufRead> Estimates<R> {
         };
         let place = |cell: &[u8]| COLUMNS.iter().position(|c| c.as_bytes() == cell);
         let columns: Vec<Option<usize>> = cells(text.as_bytes()).map(place).collect();
-        let mut found = text.to_owned();
-        found.truncate(found.floor_char_boundary(80));
         let line = lines.number;
         if !columns.contains(&Some(0)) {
-            return Err(ReadError::NoTime { file, line, found });
+            return Err(ReadError::no_time(file, line, text.to_owned()));
         }
         if let Some(column) = [1, 2].into_iter().find(|c| !columns.contains(&Some(*c))) {
             return Err(ReadError::NoEstimates { file, line, column: COLUMNS[column] });

@@ -83,9 +83,7 @@ impl<R: BufRead> Recording<R> {
         let Self { lines, file, header, ours, .. } = self;
         let line = lines.number;
         if !header.iter().any(|h| h == format::TIME) {
-            let mut found = header.join(",");
-            found.truncate(found.floor_char_boundary(80));
-            return Err(ReadError::NoTime { file, line, found });
+            return Err(ReadError::no_time(file, line, header.join(",")));
         }
         let given = head.is_some();
         let Some(head) = head.or_else(|| format::head_of(header.iter().map(String::as_str))) else {
