@@ -114,7 +114,11 @@ fn dbus(mut s: Section<'_>, d: DbusSettings) -> DbusSettings {
         Some("system") => Some(BusAddress::System),
         Some("session") => Some(BusAddress::Session),
         Some("none") => None,
-        Some(address) if address.contains(':') => Some(BusAddress::Address(address.to_owned())),
+        Some(address) if address.parse::<zbus::Address>().is_ok() => Some(BusAddress::Address(address.to_owned())),
+        Some(address) if address.contains(':') => {
+            s.wrong("bus", &format!("is no address of a bus: expected {choices}"));
+            None
+        }
         Some(word) => {
             let near = nearest(word, ["system", "session", "none"]);
             let hint = near.map_or(String::new(), |n| format!("; did you mean \"{n}\"?"));
