@@ -129,13 +129,13 @@ impl Output {
         let age_s = now.since(since);
         // One missed read is no matter, however seldom there is one.
         let waited = std::mem::replace(&mut self.waits, true);
-        if self.limit.report(&mut estimate.faults) {
-            self.withhold(now, sampled, estimate);
-        } else if waited && age_s > self.stale_after_s {
+        let unsure = self.limit.report(&mut estimate.faults);
+        let stale = !unsure && waited && age_s > self.stale_after_s;
+        if stale {
             let evidence = Evidence::Limit { value: age_s, limit: self.stale_after_s, unit: "s" };
             estimate.faults.push(ActiveFault { kind: FaultKind::Stale, since, evidence });
-            self.withhold(now, sampled, estimate);
-        } else if self.given.is_some() {
+        }
+        if unsure || stale || self.given.is_some() {
             self.withhold(now, sampled, estimate);
         } else if estimate.mode == Mode::Nominal && !estimate.faults.is_empty() {
             estimate.mode = Mode::Degraded;

@@ -2,8 +2,8 @@
 //! as an argument.
 //!
 //! Nothing goes out on the strength of this thread being alive. What is told depends on the age of
-//! the newest frame: from 1 s on (2.5 frames, if that is longer) the heartbeat is critical and says so in words, from 3 s on there
-//! is silence, and every ground station shows the component as lost.
+//! the newest frame: from 1 s on (2.5 frames, if that is longer) the heartbeat is critical and says so
+//! in words, from 3 s on there is silence, and every ground station shows the component as lost.
 
 mod rates;
 mod seen;
