@@ -165,6 +165,30 @@ fn a_reload_keeps_what_stays_and_changes_the_rest() {
 }
 
 #[test]
+fn without_its_key_an_endpoint_says_why_it_is_silent() {
+    let (_, address) = receiver();
+    let mut rig = Rig::new(vec![address.clone()]);
+    let said = |rig: &Rig| rig.switchboard.endpoints().into_iter().map(|e| e.last_error).next();
+    let becomes = |rig: &Rig, right: fn(&str) -> bool| {
+        let begun = Instant::now();
+        while !said(rig).is_some_and(|s| right(&s)) {
+            assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", said(rig));
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    becomes(&rig, str::is_empty);
+    let mut unsigned = settings(vec![address.clone()], 191);
+    unsigned.mavlink.signing_key = Some("/nonexistent/key".into());
+    rig.switchboard.configure(unsigned);
+    rig.shared.update(|s| s.generation += 1);
+    becomes(&rig, |s| s.starts_with("MAVLink is silent: the signing key /nonexistent/key"));
+    rig.switchboard.configure(settings(vec![address], 191));
+    rig.shared.update(|s| s.generation += 1);
+    becomes(&rig, str::is_empty);
+    rig.stop();
+}
+
+#[test]
 fn endpoints_that_cannot_send_do_not_hold_up_the_others() {
     let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
     let (socket, address) = receiver();

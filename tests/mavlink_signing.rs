@@ -74,6 +74,7 @@ fn a_key_that_others_may_read_makes_it_silent() {
     asked.call();
     assert_eq!((stamps(&asked.beside, 2000), stamps(&asked.peer, 200)), (vec![], vec![]));
     assert!(!asked.folder.path("signing-time").exists());
+    assert_eq!(asked.daemon.said().matches("MAVLink is silent").count(), 1);
 
     // Once it is mended a reload is enough.
     std::fs::set_permissions(asked.folder.path("key"), std::fs::Permissions::from_mode(0o600)).unwrap();

@@ -4,6 +4,7 @@
 //! awake anyway. The publisher's own waits for all endpoints at once and heeds what comes in; it opens what is closed,
 //! and it sends when the other does not: because that found it at work, or has no frames any more.
 
+use super::endpoint::stats::About;
 use super::endpoint::watch::{Ready, Watch};
 use super::link::{self, Link};
 use super::session::{Seen, Session};
@@ -126,6 +127,8 @@ impl Work {
             let old = self.station.configure(switchboard.settings());
             self.links = link::all(now, sent.after, self.station.settings(), std::mem::take(&mut self.links));
             self.links.iter_mut().for_each(|l| l.configured(now, &old, self.station.settings()));
+            let silent = self.station.silent().unwrap_or_default();
+            self.links.iter().for_each(|l| l.endpoint.stats().set_error(About::Key, silent.into()));
             switchboard.tell(self.links.iter().map(Link::stats).collect());
             self.generation = Some(generation);
         }

@@ -18,8 +18,8 @@ const TELL: Duration = Duration::from_secs(10);
 
 /// What signs.
 pub struct Signer {
-    /// `None` while there is no key to be had: then nothing is sent, and nothing heeded.
-    with: Option<(Signing, Keeper)>,
+    /// The reason while there is no key to be had: then nothing is sent, and nothing heeded.
+    with: Result<(Signing, Keeper), String>,
     told: Pace,
 }
 
@@ -33,27 +33,27 @@ impl Signer {
     /// The signer that the configuration wants, if any.
     pub fn wanted(settings: &MavlinkSettings) -> Option<Self> {
         let path = settings.signing_key.as_deref()?;
-        let with = open(path).inspect_err(|e| log::error!("MAVLink is silent: {e}")).ok();
+        let with = open(path).map_err(|e| format!("MAVLink is silent: {e}")).inspect_err(|e| log::error!("{e}"));
         Some(Self { with, told: Pace::new(TELL, 0) })
     }
 
-    /// Whether there is a key.
-    pub fn is_ready(&self) -> bool {
-        self.with.is_some()
+    /// Why there is no key.
+    pub fn trouble(&self) -> Option<&str> {
+        self.with.as_ref().err().map(String::as_str)
     }
 
     /// The signed frame of a message on link number `index`; empty without a key.
     pub fn encode<'a>(&mut self, encoder: &'a mut Encoder, message: &Message, index: usize) -> &'a [u8] {
         let link = u8::try_from(index).unwrap_or(u8::MAX);
         match &mut self.with {
-            Some((signing, _)) => encoder.encode_signed(message, signing, link, wall()),
-            None => &[],
+            Ok((signing, _)) => encoder.encode_signed(message, signing, link, wall()),
+            Err(_) => &[],
         }
     }
 
     /// Whether a message is signed well.
     pub fn admits(&mut self, now: Time, packet: &Packet<'_>) -> bool {
-        let Some((signing, _)) = &mut self.with else { return false };
+        let Ok((signing, _)) = &mut self.with else { return false };
         match signing.check(packet, wall()) {
             Ok(()) => true,
             Err(why) => {
@@ -68,7 +68,7 @@ impl Signer {
 
     /// Keeps the timestamp ahead of what is used.
     pub fn tend(&mut self) {
-        if let Some((signing, keeper)) = &self.with {
+        if let Ok((signing, keeper)) = &self.with {
             // One that is busy is told the next time.
             let _ = keeper.sent.try_send(signing.sent());
         }
@@ -76,7 +76,7 @@ impl Signer {
 
     /// Nothing more will be signed.
     pub fn finish(self) {
-        if let Some((signing, Keeper { sent, thread })) = self.with {
+        if let Ok((signing, Keeper { sent, thread })) = self.with {
             let _ = sent.send(signing.sent());
             drop(sent);
             let _ = thread.join();

@@ -40,8 +40,8 @@ impl Station {
 
     /// Takes up a new configuration; gives the one before.
     pub fn configure(&mut self, settings: Arc<Settings>) -> Arc<Settings> {
-        // A key that was of no use may have been mended.
-        let useless = self.signer.as_ref().is_some_and(|s| !s.is_ready());
+        // A key that was of no use may have been mended when the configuration is read again.
+        let useless = self.silent().is_some() && !Arc::ptr_eq(&settings, &self.settings);
         if useless || settings.mavlink.signing_key != self.settings.mavlink.signing_key {
             self.finish();
             self.signer = Signer::wanted(&settings.mavlink);
@@ -50,6 +50,11 @@ impl Station {
         self.listener.configure(&settings.mavlink, settings.rate_hz);
         self.ordered = None;
         std::mem::replace(&mut self.settings, settings)
+    }
+
+    /// Why nothing is sent and nothing heeded.
+    pub fn silent(&self) -> Option<&str> {
+        self.signer.as_ref().and_then(Signer::trouble)
     }
 
     /// The configuration in force.

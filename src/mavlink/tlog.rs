@@ -3,7 +3,7 @@
 //! The thread that sends never waits for a disk: it leaves its frames in memory, where a thread of the tlog's own
 //! fetches them. When that has fallen too far behind, frames are left out and counted.
 
-use super::endpoint::stats::EndpointStats;
+use super::endpoint::stats::{About, EndpointStats};
 use crate::clock;
 use crate::time::Time;
 use std::fs::{File, OpenOptions};
@@ -69,12 +69,16 @@ impl Tlog {
     /// Begins one, or goes on with the one that is at `path`. What is left out is counted in `stats`.
     pub fn new(path: &Path, stats: Arc<EndpointStats>) -> Option<Self> {
         let desk = Arc::new(Desk::default());
-        let mut clerk = Clerk { path: path.to_owned(), desk: Arc::clone(&desk), file: None, warned: false };
+        let path = path.to_owned();
+        let mut clerk =
+            Clerk { path: path.clone(), desk: Arc::clone(&desk), stats: Arc::clone(&stats), file: None, warned: false };
         let thread = std::thread::Builder::new().name("tlog".into()).stack_size(128 * 1024).spawn(move || clerk.run());
         match thread {
-            Ok(thread) => Some(Self { path: path.to_owned(), desk, stats, thread }),
+            Ok(thread) => Some(Self { path, desk, stats, thread }),
             Err(e) => {
-                log::error!("{}: no tlog, as the system gives no thread: {e}", path.display());
+                let text = format!("{}: no tlog, as the system gives no thread: {e}", path.display());
+                log::error!("{text}");
+                stats.set_error(About::Tlog, text);
                 None
             }
         }
@@ -127,6 +131,7 @@ impl Drop for Tlog {
 struct Clerk {
     path: PathBuf,
     desk: Arc<Desk>,
+    stats: Arc<EndpointStats>,
     file: Option<File>,
     warned: bool,
 }
@@ -172,18 +177,29 @@ impl Clerk {
         }
         if self.warned && !bytes.is_empty() {
             self.warned = false;
+            self.tell(String::new());
             log::info!("{}: the tlog is written again", self.path.display());
         }
         Ok(())
     }
 
+    /// Shows what is wrong, unless the endpoint has done with this tlog.
+    fn tell(&self, text: String) {
+        let waiting = self.desk.lock();
+        if !waiting.closing {
+            self.stats.set_error(About::Tlog, text);
+        }
+    }
+
     fn wait_for_better(&mut self, error: &Error) {
         if !self.warned {
             self.warned = true;
-            log::warn!(
+            let text = format!(
                 "{}: the tlog cannot be written: {error}; will try again (df {0}; the unit wants ReadWritePaths=)",
                 self.path.display()
             );
+            log::warn!("{text}");
+            self.tell(text);
         }
         let end = std::time::Instant::now() + RETRY;
         while !self.desk.lock().closing && std::time::Instant::now() < end {
@@ -238,6 +254,11 @@ mod tests {
         let lost = stats.view().tlog_lost;
         assert!((4_000..10_000).contains(&lost), "{lost} of 10000 frames of 100 bytes, where 256 KiB wait");
         assert!(tlog.desk.lock().bytes.len() <= MOST_BYTES);
+        while stats.view().last_error.is_empty() && begun.elapsed() < Duration::from_secs(10) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let said = stats.view().last_error;
+        assert!(said.starts_with("/dev/full: the tlog cannot be written: No space left"), "{said}");
         finish(tlog);
     }
 
@@ -245,9 +266,11 @@ mod tests {
     fn a_folder_that_comes_later_is_found() {
         let folder = folder("later");
         let path = folder.join("sub/a.tlog");
-        let tlog = Tlog::new(&path, Arc::default()).unwrap();
+        let stats = Arc::new(EndpointStats::default());
+        let tlog = Tlog::new(&path, Arc::clone(&stats)).unwrap();
         tlog.write(b"frame");
         std::thread::sleep(Duration::from_millis(700));
+        assert_ne!(stats.view().last_error, "");
         std::fs::create_dir(folder.join("sub")).unwrap();
         for _ in 0..100 {
             if path.exists() && path.metadata().unwrap().len() == 13 {
@@ -257,6 +280,7 @@ mod tests {
         }
         assert_eq!(std::fs::read(&path).unwrap()[8..], *b"frame");
         finish(tlog);
+        assert_eq!(stats.view().last_error, "");
         std::fs::remove_dir_all(folder).unwrap();
     }
 }

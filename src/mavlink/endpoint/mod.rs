@@ -23,7 +23,7 @@ use super::tlog::Tlog;
 use super::trouble::Trouble;
 use crate::config::settings::EndpointAddress;
 use crate::time::Time;
-use stats::{EndpointStats, Health};
+use stats::{About, EndpointStats, Health};
 use std::fmt::Debug;
 use std::path::Path;
 use std::sync::Arc;
@@ -86,6 +86,7 @@ impl Endpoint {
         if self.tlog.as_ref().map(Tlog::path) != path {
             // The old one is closed first.
             self.tlog = None;
+            self.health.stats.set_error(About::Tlog, String::new());
             self.tlog = path.and_then(|path| Tlog::new(path, Arc::clone(&self.health.stats)));
         }
     }

@@ -8,7 +8,7 @@ use crate::time::Time;
 use std::cell::Cell;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// In the long run a line about an endpoint goes to the log so often, however its state flutters.
@@ -29,7 +29,18 @@ pub struct EndpointStats {
     bad_crc: AtomicU64,
     peers: AtomicU64,
     tlog_lost: AtomicU64,
-    last_error: Mutex<String>,
+    errors: Mutex<[String; 3]>,
+}
+
+/// What an error is about, the gravest first: that one is shown.
+#[derive(Clone, Copy, Debug)]
+pub enum About {
+    /// There is no key to sign with: nothing is sent.
+    Key,
+    /// Sending and hearing.
+    Link,
+    /// The tlog.
+    Tlog,
 }
 
 impl EndpointStats {
@@ -56,7 +67,7 @@ impl EndpointStats {
             bad_crc: read(&self.bad_crc),
             peers: read(&self.peers),
             tlog_lost: read(&self.tlog_lost),
-            last_error: self.last_error.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+            last_error: self.errors().iter().find(|e| !e.is_empty()).cloned().unwrap_or_default(),
         }
     }
 
@@ -96,8 +107,13 @@ impl EndpointStats {
         self.tlog_lost.fetch_add(messages, Ordering::Relaxed);
     }
 
-    fn set_last_error(&self, text: String) {
-        *self.last_error.lock().unwrap_or_else(PoisonError::into_inner) = text;
+    /// What is wrong; empty: nothing any more.
+    pub fn set_error(&self, about: About, text: String) {
+        self.errors()[about as usize] = text;
+    }
+
+    fn errors(&self) -> MutexGuard<'_, [String; 3]> {
+        self.errors.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -150,14 +166,14 @@ impl Health {
             if self.lines.take(now) {
                 log::warn!("{text}");
             }
-            self.stats.set_last_error(text);
+            self.stats.set_error(About::Link, text);
         }
     }
 
     /// All is well again.
     pub fn recovered(&mut self, now: Time) {
         if self.trouble.take().is_some() {
-            self.stats.set_last_error(String::new());
+            self.stats.set_error(About::Link, String::new());
             self.say(now, format_args!("sending again"));
         }
     }
