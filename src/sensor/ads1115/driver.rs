@@ -9,6 +9,17 @@ use crate::frame::Missing;
 use std::fmt;
 use std::time::Duration;
 
+/// COMP_MODE 4, which says nothing while the comparator is off: written 1 then, 0 after a reset. So the settings of no
+/// channel are those after a reset, and a supply that drops is seen whatever is measured.
+const MARK: u16 = 0x0010;
+/// The bits that read back as written: the settings, the mark, COMP_QUE 1:0 (off after a reset).
+const KEPT: u16 = Config::SETTINGS | MARK | 0x0003;
+
+/// The register's word for `config`, with the mark where the comparator is off.
+fn word(config: Config) -> u16 {
+    config.encode() | if config.queue == Queue::Off { MARK } else { 0 }
+}
+
 /// What one conversion measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Channel {
@@ -98,14 +109,14 @@ impl<B: WordBus + ?Sized> Ads1115<B> {
         let Channel { input, gain, rate } = channel;
         let idle =
             Config { os: false, input, gain, rate, conversion: Conversion::SingleShot, queue: self.config.queue };
-        self.write_register(CONFIG, idle.encode())?;
+        self.write_register(CONFIG, word(idle))?;
         if self.config.queue != Queue::Off {
             self.write_register(LO_THRESH, READY_LO)?;
             self.write_register(HI_THRESH, READY_HI)?;
             self.expect(LO_THRESH, READY_LO, u16::MAX)?;
             self.expect(HI_THRESH, READY_HI, u16::MAX)?;
         }
-        self.expect(CONFIG, idle.encode(), Config::SETTINGS)?;
+        self.expect(CONFIG, word(idle), KEPT)?;
         Ok(busy)
     }
 
@@ -114,7 +125,7 @@ impl<B: WordBus + ?Sized> Ads1115<B> {
     pub fn start(&mut self, channel: Channel) -> Result<(), AdcError> {
         let Channel { input, gain, rate } = channel;
         self.config = Config { os: true, input, gain, rate, ..self.config };
-        self.write_register(CONFIG, self.config.encode())
+        self.write_register(CONFIG, word(self.config))
     }
 
     /// Whether no conversion is under way, whichever it was.
@@ -125,7 +136,7 @@ impl<B: WordBus + ?Sized> Ads1115<B> {
     /// Whether the conversion started last is done; in continuous mode, whether the chip is still
     /// set to it. Errors when the chip's settings are not the ones written.
     pub fn is_ready(&mut self) -> Result<bool, AdcError> {
-        let found = self.expect(CONFIG, self.config.encode(), Config::SETTINGS)?;
+        let found = self.expect(CONFIG, word(self.config), KEPT)?;
         Ok(self.config.conversion == Conversion::Continuous || Config::decode(found).os)
     }
 

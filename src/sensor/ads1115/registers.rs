@@ -144,8 +144,8 @@ pub enum Queue {
 
 /// The config register. The default is what the chip holds after a reset (0x8583).
 ///
-/// The comparator stays at its reset state (traditional, active low, not latching): bits 4:2 are
-/// written 0.
+/// The comparator stays at its reset state (traditional, active low, not latching): bits 4:2 are 0
+/// here; what the driver makes of them where it is off, it says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
     /// OS 15. Written: start a conversion, without effect while one is under way. Read: no

@@ -425,3 +425,25 @@ proptest! {
         prop_assert!(good > 0);
     }
 }
+
+/// A chip of one input at 128 a second, read as after a reset.
+fn as_reset(world: &Handle) -> Ads1115Chip<Handle> {
+    let channels = vec![Channel { input: AdcInput::Ain0Ain1, gain: Gain::V2_048, rate: Rate::Sps128 }];
+    let plan = Plan { conversion: Conversion::SingleShot, channels, data_ready: None };
+    let bus = world.clone();
+    let open = Box::new(move || Ok(Box::new(bus.clone()) as Box<dyn WordBus>));
+    Ads1115Chip::new("fake".into(), plan, open, None, world.clone())
+}
+
+#[test]
+fn a_supply_that_drops_is_noticed_where_the_settings_are_those_after_a_reset() {
+    let world = World::new();
+    let mut chip = as_reset(&world);
+    chip.open().unwrap();
+    chip.begin();
+    assert_eq!(origin(chip.read(0)), (0, 1));
+    chip.begin();
+    world.world().brown_out();
+    assert_eq!(chip.read(0), Err(Missing::Impossible));
+    assert_eq!(origin(chip.read(0)), (0, 2));
+}
