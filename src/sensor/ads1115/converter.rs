@@ -238,7 +238,11 @@ impl<C: Clock> Converter<C> {
     /// Waits for the end of the conversion under way, at most until `deadline`. Tells whether the
     /// line, if there is one, did not.
     fn land(&mut self, deadline: Time) -> Result<bool, AdcError> {
-        let Some(flight) = self.flight.filter(|f| !f.landed) else { return Ok(false) };
+        let Some(flight) = self.flight else { return Ok(false) };
+        if flight.landed {
+            // Its transfer failed; where the supply dropped, another one would bring the zero after a reset.
+            return if self.adc()?.is_ready()? { Ok(false) } else { Err(AdcError::NotReady) };
+        }
         let edge = self.line.is_there().then(|| self.listen(flight, deadline)).transpose()?;
         if edge != Some(Edge::Confirmed) {
             self.poll(flight.expected, deadline, |converter| converter.adc()?.is_ready())?;

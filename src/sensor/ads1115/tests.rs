@@ -447,3 +447,17 @@ fn a_supply_that_drops_is_noticed_where_the_settings_are_those_after_a_reset() {
     assert_eq!(chip.read(0), Err(Missing::Impossible));
     assert_eq!(origin(chip.read(0)), (0, 2));
 }
+
+#[test]
+fn a_supply_that_drops_between_two_attempts_at_a_result_is_noticed() {
+    for line in [false, true] {
+        let world = World::new();
+        let mut chip = opened(&world, 1, line);
+        chip.begin();
+        world.world().failures.extend([None, Some(Failure::Unheard)]);
+        assert_eq!(chip.read(0), Err(Missing::NoAnswer));
+        world.world().brown_out();
+        assert_eq!(chip.read(0), Err(Missing::Impossible), "{line}");
+        assert_eq!(origin(chip.read(0)), (0, 2));
+    }
+}
