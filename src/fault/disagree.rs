@@ -10,6 +10,8 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Over this time differences are averaged, s.
 const WINDOW_S: f64 = 5.0;
+/// What has been found fades by such a share of what is new to the average.
+const FADES: f64 = 0.5;
 /// A reference's error lasts so long, s: within it, more of them say no more.
 const CORRELATION_S: f64 = 2.0;
 /// So many standard deviations of both together a difference must be.
@@ -27,6 +29,8 @@ const STALE_S: f64 = 4.0;
 #[derive(Clone, Copy, Debug)]
 struct Difference {
     mean: f64,
+    /// The largest that it has been of late: a mean that changes its sign is small for a moment, and what disagrees is not.
+    found: f64,
     variance: f64,
     /// The time that it stands for, s, up to [`WINDOW_S`].
     weight_s: f64,
@@ -50,6 +54,7 @@ impl Disagree {
     pub fn new(limit: f64) -> Self {
         let none = Difference {
             mean: 0.0,
+            found: 0.0,
             variance: 0.0,
             weight_s: 0.0,
             heard: None,
@@ -93,7 +98,7 @@ impl Disagree {
     /// a sensor is `left_out` it may be the wrong one, and the attitude is likely to be what is wrong.
     pub fn doubt(&self, left_out: bool) -> Attitude {
         let share = if left_out { 1.0 } else { 0.5 };
-        let of = |d: &Difference| if d.disagrees.is_active() { share * d.mean.abs() } else { 0.0 };
+        let of = |d: &Difference| if d.disagrees.is_active() { share * d.found } else { 0.0 };
         Attitude { roll: of(&self.roll), pitch: of(&self.pitch) }
     }
 
@@ -111,6 +116,7 @@ impl Difference {
         let share = (reference.span_s / WINDOW_S).min(1.0).max(reference.span_s / (self.weight_s + reference.span_s));
         self.weight_s = (self.weight_s + reference.span_s).min(WINDOW_S);
         self.mean += share * (angle - reference.angle - self.mean);
+        self.found = self.mean.abs().max(self.found * (1.0 - FADES * share));
         self.variance += share * (reference.sigma * reference.sigma - self.variance);
         self.heard = Some(now);
     }

@@ -72,6 +72,20 @@ fn a_bank_that_is_not_that_of_the_turn_is_told_and_doubted_by_half() {
     }
 }
 
+/// As of a head whose left and right are exchanged: the mean of the difference passes through nothing when the turn does.
+#[test]
+fn a_roll_to_the_other_side_stays_in_doubt_when_the_turn_changes_sides() {
+    let mut flight = Flight::new();
+    flight.fly(30.0, (-25.0, 0.0), (25.0, 0.0));
+    for side in [-25.0, 25.0, -25.0] {
+        for _ in 0..20 {
+            flight.fly(1.0, (-side, 0.0), (side, 0.0));
+            let doubt_deg = flight.disagree.doubt(false).roll.to_degrees();
+            assert!(flight.told() == [FaultKind::RollDisagrees] && doubt_deg > 11.5, "{doubt_deg}°");
+        }
+    }
+}
+
 #[test]
 fn a_bank_twenty_degrees_off_from_the_start_is_told_within_seven_seconds() {
     let mut flight = Flight::new();
