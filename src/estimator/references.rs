@@ -12,6 +12,8 @@ const SHORTEST_S: f64 = 0.5;
 const LONGEST_S: f64 = 2.5;
 /// The steepest bank that is compared: beyond it turns are seldom level or steady, rad.
 pub const STEEPEST: f64 = PI / 4.0;
+/// What turns faster than a bank of this does is no turn but a course that jumps, rad (75°).
+const JUMPS: f64 = PI / 2.4;
 
 /// How far a single bank is off: sideslip, gusts, a turn that begins or ends (rad), and, as a share of
 /// it, a drift between heading and course, which lets a turn look wider.
@@ -36,7 +38,7 @@ pub struct Angle {
 /// What came with a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Heard {
-    /// The bank of a coordinated turn, not a steep one, and the mean of the estimated roll over the time of that turn, rad.
+    /// The bank of a coordinated turn, and the mean of the estimated roll over the time of that turn, rad.
     pub bank: Option<(Angle, f64)>,
     /// The angle of climb now.
     pub climb: Option<Angle>,
@@ -51,7 +53,7 @@ pub struct Heard {
 impl Heard {
     /// The bank and the estimated roll where neither is steep.
     pub fn gentle_bank(&self) -> Option<(Angle, f64)> {
-        self.bank.filter(|(_, roll)| roll.abs() < STEEPEST)
+        self.bank.filter(|(bank, roll)| bank.angle.abs().max(roll.abs()) < STEEPEST)
     }
 }
 
@@ -133,7 +135,7 @@ impl References {
         let bank = (speed * wrapped(course - leg.course) / span_s / G_M_S2).atan();
         let angle = Angle { angle: bank, sigma: BANK_SIGMA.hypot(BANK_SHARE * bank), span_s };
         let roll = leg.area / span_s;
-        (bank.abs() < STEEPEST).then_some((angle, roll))
+        (bank.abs() < JUMPS).then_some((angle, roll))
     }
 }
 

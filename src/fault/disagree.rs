@@ -79,8 +79,9 @@ impl Disagree {
         self.pitched = (self.pitched.0 + attitude.pitch, self.pitched.1 + 1.0);
         if let Some((bank, roll)) = heard.bank {
             if roll.abs() < FLYING.roll && attitude.pitch.abs() < FLYING.pitch {
-                // In a turn that is not steep a roll that is disagrees by so much at least.
-                self.roll.compare(roll.clamp(-STEEPEST, STEEPEST), bank, now);
+                // How steep a steep one is nobody knows: one of the two that is disagrees by so much at least.
+                let [roll, angle] = [roll, bank.angle].map(|a| a.clamp(-STEEPEST, STEEPEST));
+                self.roll.compare(roll, Angle { angle, ..bank }, now);
             } else {
                 self.roll.forget();
             }

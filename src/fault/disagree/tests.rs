@@ -111,6 +111,12 @@ fn a_steep_roll_in_a_turn_that_is_not_is_told() {
         flight.fly(10.0, (said_deg, 0.0), (flown_deg, 0.0));
         assert_eq!(flight.told(), [FaultKind::RollDisagrees], "{said_deg}° in a turn of {flown_deg}°");
     }
+    // And a roll that is not, or is one to the other side, in a steep turn.
+    for (said_deg, flown_deg) in [(-55.0, 55.0), (0.0, 50.0), (20.0, -60.0)] {
+        let mut flight = Flight::new();
+        flight.fly(10.0, (said_deg, 0.0), (flown_deg, 0.0));
+        assert_eq!(flight.told(), [FaultKind::RollDisagrees], "{said_deg}° in a turn of {flown_deg}°");
+    }
     // A steep turn, and one that is all but that; a loop's way down.
     for (said, flown) in [((60.0, 0.0), (60.0, 0.0)), ((60.0, 0.0), (40.0, 0.0)), ((60.0, -60.0), (0.0, 0.0))] {
         let mut flight = Flight::new();
