@@ -4,7 +4,7 @@ use super::FieldEstimator;
 use super::directions::{Directions, Pattern, dot};
 use super::form::SHAPES;
 use super::predict::scene;
-use super::state::{DEPTH, MAX_SENSORS, RADIANCE, SEEN, VIEW};
+use super::state::{DEPTH, LAG, LAGGED, MAX_SENSORS, RADIANCE, SEEN, VIEW};
 use crate::sky::family::{FORMS, LN_DEPTH};
 
 /// A reading farther from its prediction than this many standard deviations weighs less.
@@ -109,6 +109,7 @@ impl FieldEstimator {
             self.state.read(SEEN + i, innovation, variance);
         }
         self.state.bound(DEPTH, LN_DEPTH);
+        self.state.bound(LAG, LAGGED);
         self.state.bound(RADIANCE, AVERAGED);
         self.state.bound(VIEW, (-WIDEST, WIDEST));
         (VIEW + 1..VIEW + 1 + FORMS).for_each(|i| self.state.bound(i, FORMED));

@@ -25,6 +25,8 @@ pub const LEAN: usize = 9;
 pub const OFFSET: usize = 11;
 /// The logarithm of the sensors' time constant over the configured one.
 pub const LAG: usize = 13;
+/// The least and the most that this may be.
+pub const LAGGED: (f64, f64) = (-2.0, 2.0);
 /// How else the sensors see than they are said to: wider, and as two other forms, a [`View`].
 pub const VIEW: usize = 14;
 /// How much of what they see the sensors average in radiance: 0 none of it, and all in temperature, 1 all of it.

@@ -1,5 +1,6 @@
 //! Readings and body rates as they come: wild, by turns, seldom.
 
+use super::super::state::{LAG, LAGGED};
 use super::*;
 use crate::estimator::Standing;
 use crate::frame::{Missing, Value};
@@ -93,5 +94,31 @@ fn what_is_left_out_is_heard_again_where_the_others_tell_of_no_sky() {
         filter.state.x[state::VIEW] = -1.5;
         assert!((0..95).all(|_| !filter.misjudged(0.02)), "for 1.9 s");
         assert_eq!((0..10).any(|_| filter.misjudged(0.02)), acquitted);
+    }
+}
+
+/// Rates that are not of their frames' time were taken for sensors of a time constant of minutes: the attitude was what the
+/// rates said, whatever the readings showed, and as sure as ever.
+#[test]
+fn rates_that_come_too_late_make_no_sensors_that_never_follow() {
+    for name in ["clear-dry", "namibia", "lag-0.3"] {
+        let scenario = Scenario::named(name).unwrap();
+        let (mut source, mut e) =
+            (scenario.source(5), FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default()));
+        let mut frame = Frame::new(6);
+        let mut late = std::collections::VecDeque::new();
+        let mut most = 0.0_f64;
+        for i in 0..3000 {
+            source.scan(Time::from_secs_f64(100.0 + 0.02 * f64::from(i)), &mut frame);
+            late.push_back(frame.aiding.gyro_deg_s);
+            frame.aiding = Aiding::default();
+            if late.len() > 15 {
+                frame.aiding.gyro_deg_s = late.pop_front().unwrap_or_default();
+            }
+            e.update(&frame);
+            most = most.max(e.state.x[LAG].abs());
+        }
+        // Other bounds pull it along.
+        assert!(most < LAGGED.1 + 0.1, "{name}: {most}");
     }
 }
