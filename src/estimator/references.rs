@@ -119,6 +119,8 @@ impl References {
         };
         if let Some(leg) = &mut self.leg {
             let (before, at) = leg.roll;
+            // On the back roll goes on past ±180°: the mean of 170° and −170° is no level flight.
+            let roll = before + wrapped(roll - before);
             leg.area += 0.5 * (before + roll) * now.since(at);
             leg.roll = (roll, now);
         }
@@ -204,5 +206,22 @@ mod tests {
             let heard = references.hear(&aiding, 0.0, Time::from_secs_f64(now_s));
             assert_eq!((heard.bank.is_some(), heard.climb.is_some()), (speaks, speaks), "{now_s}");
         }
+    }
+
+    /// Straight on, rolling to and fro about the back.
+    #[test]
+    fn on_the_back_the_mean_of_roll_is_not_level() {
+        let mut references = References::default();
+        let mut means = 0;
+        for i in 0..1000 {
+            let t = 0.02 * f64::from(i);
+            let fix = |v: f64| (i % 50 == 0).then_some(v);
+            let aiding = Aiding { course_deg: fix(90.0), ground_speed_m_s: fix(18.0), ..Aiding::default() };
+            let roll = wrapped(PI + 0.1 * (2.0 * t).sin());
+            let Some((_, mean)) = references.hear(&aiding, roll, Time::from_secs_f64(10.0 + t)).bank else { continue };
+            means += 1;
+            assert!((mean.abs() - PI).abs() < 0.11, "{t} s: {}°", mean.to_degrees());
+        }
+        assert!(means > 15, "{means}");
     }
 }
