@@ -51,8 +51,13 @@ impl Kept {
             return Ok(plain);
         }
         let lay = |text| config::load_with(&self.configuration, &self.path, text);
-        let loaded = lay(text.clone()).unwrap_or_else(|_| one_by_one(plain, &text, lay));
-        log::info!("settings kept from MAVLink parameters hold: {} (remove it to be rid of them)", self.path.display());
+        let (loaded, some_hold) = lay(text.clone()).map_or_else(|_| one_by_one(plain, &text, lay), |l| (l, true));
+        if some_hold {
+            log::info!(
+                "settings kept from MAVLink parameters hold: {} (remove it to be rid of them)",
+                self.path.display()
+            );
+        }
         Ok(loaded)
     }
 
@@ -67,8 +72,8 @@ impl Kept {
     }
 }
 
-/// `plain` with those settings of `text` that `lay` takes.
-fn one_by_one(plain: Loaded, text: &str, lay: impl Fn(String) -> Result<Loaded, ConfigErrors>) -> Loaded {
+/// `plain` with those settings of `text` that `lay` takes, and whether there are any.
+fn one_by_one(plain: Loaded, text: &str, lay: impl Fn(String) -> Result<Loaded, ConfigErrors>) -> (Loaded, bool) {
     let (mut loaded, mut fitting) = (plain, String::new());
     for setting in drop_in::single(text) {
         let more = drop_in::laid(&fitting, &setting);
@@ -77,7 +82,7 @@ fn one_by_one(plain: Loaded, text: &str, lay: impl Fn(String) -> Result<Loaded, 
             Err(e) => log::error!("a setting kept from MAVLink parameters does not fit and is left out:\n{e}"),
         }
     }
-    loaded
+    (loaded, !fitting.is_empty())
 }
 
 #[cfg(test)]
@@ -100,5 +105,18 @@ mod tests {
         for file in [configuration, path] {
             fs::remove_file(file).unwrap();
         }
+    }
+
+    #[test]
+    fn where_nothing_fits_nothing_holds() {
+        let configuration = std::env::temp_dir().join(format!("irhorizon-unkept-{}.toml", std::process::id()));
+        fs::write(&configuration, "[simulation]\nenabled = true\n").unwrap();
+        let holds = |text: &str| {
+            let lay = |text| config::load_with(&configuration, &configuration.with_extension("kept"), text);
+            one_by_one(config::load(&configuration).unwrap(), text, lay).1
+        };
+        assert!(!holds("[head]\nroll-trim-deg = 900\n"));
+        assert!(holds("[head]\nroll-trim-deg = 900\npitch-trim-deg = 2\n"));
+        fs::remove_file(&configuration).unwrap();
     }
 }
