@@ -72,6 +72,9 @@ fn six(bus: &str) -> String {
 fn a_configuration_that_is_wrong() {
     let folder = Folder::new();
     refused("no-config", &folder, daemon(&folder.path("irhorizon.toml")), 78);
+    let mut misspelt = Command::new(DAEMON);
+    misspelt.arg("--configuration");
+    refused("daemon-usage", &folder, misspelt, 64);
     let bus = "/dev/i2c-1";
     let cases = [
         ("unknown-key", format!("[daemon]\nrate = 50\n{QUIET}{}", six(bus))),

@@ -34,9 +34,18 @@ use std::process::ExitCode;
 /// again does not help.
 const EX_CONFIG: u8 = 78;
 
+/// The exit status for a command line that cannot be understood (`EX_USAGE`): nor does it there.
+const EX_USAGE: u8 = 64;
+
 /// The daemon, from its command line to its end.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) => {
+            let _ = e.print();
+            return if e.use_stderr() { ExitCode::from(EX_USAGE) } else { ExitCode::SUCCESS };
+        }
+    };
     logging::start(cli.log_level.into());
     let kept = Kept::new(&cli.config);
     let loaded = match kept.load() {
