@@ -279,8 +279,15 @@ mod tests {
             std::thread::sleep(Duration::from_millis(50));
         }
         assert_eq!(std::fs::read(&path).unwrap()[8..], *b"frame");
-        finish(tlog);
+        // The writer says so only after the last byte; one that is closing says nothing any more.
+        for _ in 0..100 {
+            if stats.view().last_error.is_empty() {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
         assert_eq!(stats.view().last_error, "");
+        finish(tlog);
         std::fs::remove_dir_all(folder).unwrap();
     }
 }

@@ -3,7 +3,7 @@
 use super::correct::Misfit;
 use super::moved::Moved;
 use super::predict::{Pace, scene};
-use super::state::{LAG, LAGGED, MAX_SENSORS};
+use super::state::MAX_SENSORS;
 use super::stuck::Stuck;
 use super::witness::Known;
 use super::{FieldEstimator, GAP_S};
@@ -84,7 +84,7 @@ impl FieldEstimator {
             even: self.scene.is_even(),
             noise_k: self.noise.variance().sqrt(),
             ambient_c: self.ambient_c,
-            lag_s: self.tuning.lag_s * s.x[LAG].clamp(LAGGED.0, LAGGED.1).exp(),
+            lag_s: s.lag_s(self.tuning.lag_s),
         };
         if self.blind {
             self.witnesses.restart();

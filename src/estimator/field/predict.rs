@@ -4,7 +4,7 @@ use super::askew;
 use super::model::{Model, Scene};
 use super::rates::{correction, rates, turning};
 use super::state::{
-    CONTRAST, DEPTH, GROUND, LAG, LAGGED, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SPAN_K, State, TURN, VIEW,
+    CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SPAN_K, State, TURN, VIEW,
 };
 use super::tuning::Tuning;
 use crate::estimator::vector::{Vector, add_scaled, cross, length, product, rotation, unit};
@@ -152,7 +152,7 @@ fn add_noise(
 /// What the sensors show follows what they see, behind by their lag.
 fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector, before: &[Vector; 3]) {
     let (n, sensors) = (state.size(), model.sensors());
-    let lag_s = t.lag_s * state.x[LAG].clamp(LAGGED.0, LAGGED.1).exp();
+    let lag_s = state.lag_s(t.lag_s);
     let keep = if lag_s > 1e-4 { (-dt_s / lag_s).exp() } else { 0.0 };
     let gain = 1.0 - keep;
     // How old, on the average over this step, what they follow is: exact for what goes in a straight line.

@@ -73,6 +73,11 @@ pub struct State {
 }
 
 impl State {
+    /// The sensors' time constant where `configured_s` is configured, s.
+    pub fn lag_s(&self, configured_s: f64) -> f64 {
+        configured_s * self.x[LAG].clamp(LAGGED.0, LAGGED.1).exp()
+    }
+
     /// Level, heading north, everything else zero and certain.
     pub fn new(sensors: usize) -> Self {
         let mut state = Self {
