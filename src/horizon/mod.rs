@@ -184,7 +184,7 @@ impl Horizon {
         frame: &Frame,
         estimate: &mut Estimate,
     ) -> Verdict {
-        let (mut mounting, mut sigma) = (self.mounting, sigma);
+        let (mut mounting, mut sigma, mut departed) = (self.mounting, sigma, Attitude::default());
         if let (Some(learner), Mounting::Turned(configured)) = (&mut self.learner, self.mounting) {
             // A head that sits askew disagrees until that is learnt.
             let askew = |f: &ActiveFault| matches!(f.kind, FaultKind::RollDisagrees | FaultKind::PitchDisagrees);
@@ -196,6 +196,7 @@ impl Horizon {
             mounting = Mounting::Turned(total);
             self.estimator.set_trim(total);
             sigma = Attitude { roll: sigma.roll.hypot(of_trim.roll), pitch: sigma.pitch.hypot(of_trim.pitch) };
+            departed = learner.departed();
             estimate.trim = learnt;
         }
         estimate.rates = self.estimator.rates().map(|rates| mounting.rates_to_body(rates));
@@ -207,6 +208,7 @@ impl Horizon {
         };
         let roll = body.roll.clamp(-limit, limit);
         self.last = Some((body, sigma));
+        let doubt = Attitude { roll: doubt.roll.max(departed.roll), pitch: doubt.pitch.max(departed.pitch) };
         let sigma = Attitude { roll: sigma.roll.hypot(doubt.roll), pitch: sigma.pitch.hypot(doubt.pitch) };
         // What the limit has taken away is not known any better than that.
         let sigma = Attitude { roll: sigma.roll.hypot(body.roll - roll), ..sigma };

@@ -267,23 +267,30 @@ fn nine_up(learner: Option<Learner>, seconds: u32) -> Flight {
     let mut f = Flight::new();
     f.horizon.mounting = Mounting::Turned(Attitude::from_degrees(0.0, 2.0));
     f.horizon.learner = learner;
-    let vertical = Attitude::from_degrees(0.0, 9.0).vertical();
-    for i in 0..seconds * 5 {
-        f.now_s += 0.2;
-        let time = Time::from_secs_f64(f.now_s);
-        let mut frame = Frame::new(6);
-        frame.time = time;
-        for (reading, (_, direction)) in frame.readings.iter_mut().zip(Direction::NAMED) {
-            let object_c = 16.0 - 15.0 * (1.0 + direction.dot(vertical));
-            *reading = Ok(Sample { value: Value::Absolute { object_c, ambient_c: None }, time });
-        }
-        frame.aiding.ground_speed_m_s = Some(18.0);
-        frame.aiding.climb_m_s = Some(0.0);
-        // All round in 180 s: hardly a bank.
-        frame.aiding.course_deg = Some(f64::from(i) * 0.4 % 360.0);
-        f.horizon.update(&frame, &[], &mut f.estimate);
-    }
+    f.glide(9.0, seconds);
     f
+}
+
+impl Flight {
+    /// Level and straight with GPS, while the head shows `pitch_deg`.
+    fn glide(&mut self, pitch_deg: f64, seconds: u32) {
+        let vertical = Attitude::from_degrees(0.0, pitch_deg).vertical();
+        for i in 0..seconds * 5 {
+            self.now_s += 0.2;
+            let time = Time::from_secs_f64(self.now_s);
+            let mut frame = Frame::new(6);
+            frame.time = time;
+            for (reading, (_, direction)) in frame.readings.iter_mut().zip(Direction::NAMED) {
+                let object_c = 16.0 - 15.0 * (1.0 + direction.dot(vertical));
+                *reading = Ok(Sample { value: Value::Absolute { object_c, ambient_c: None }, time });
+            }
+            frame.aiding.ground_speed_m_s = Some(18.0);
+            frame.aiding.climb_m_s = Some(0.0);
+            // All round in 180 s: hardly a bank.
+            frame.aiding.course_deg = Some(f64::from(i) * 0.4 % 360.0);
+            self.horizon.update(&frame, &[], &mut self.estimate);
+        }
+    }
 }
 
 #[test]
@@ -296,6 +303,24 @@ fn what_a_configured_trim_leaves_is_learnt_and_taken_off() {
     assert!((untrimmed - 7.0).abs() < 0.2 && (pitch - (untrimmed - learnt)).abs() < 0.05, "{untrimmed} {pitch}");
     assert!(e.sigma.pitch > without.sigma.pitch);
     assert_eq!(without.trim, Attitude::default());
+}
+
+/// What departs from the mounting that was learnt is no mounting: the attitude says how far it is off, and the mounting is
+/// what it was once that has gone.
+#[test]
+fn what_is_off_after_minutes_is_not_learnt_and_is_in_sigma() {
+    let mut f = nine_up(Some(Learner::default()), 400);
+    let (before, learnt) = (f.estimate.clone(), f.estimate.trim.pitch);
+    for _ in 0..2 {
+        f.glide(19.0, 60);
+        let e = &f.estimate;
+        let off_deg = (e.attitude.unwrap().pitch - before.attitude.unwrap().pitch).to_degrees();
+        assert!((8.5..11.5).contains(&off_deg), "{off_deg}");
+        assert!(e.sigma.pitch.to_degrees() > 0.6 * off_deg, "{:?}", e.sigma);
+        assert!((e.trim.pitch - learnt).to_degrees().abs() < 1.0, "{:?}", e.trim);
+    }
+    f.glide(9.0, 90);
+    assert!((f.estimate.sigma.pitch - before.sigma.pitch).abs() < 0.2_f64.to_radians(), "{:?}", f.estimate.sigma);
 }
 
 #[test]

@@ -8,6 +8,8 @@ use crate::estimator::linear::solve;
 const WINDOW_S: f64 = 600.0;
 /// A side of the sky or ground warmer than the other lets the horizon lean by about so much (1σ) to north and to east, rad.
 const WARM_SIDE: f64 = 2.5_f64.to_radians();
+/// However well they agreed so far, they scatter by this share of their references' σ.
+const LEAST_SCATTER: f64 = 0.5;
 /// What a mounting may be before anything is heard (1σ), rad: anything.
 const ANYTHING: f64 = 1.0;
 
@@ -64,6 +66,11 @@ impl Differences {
         self.climb += new / self.weight * (climb - self.climb);
     }
 
+    /// How widely they scatter about what explains them, in their references' σ.
+    pub fn scatter(&self) -> f64 {
+        self.scatter.sqrt().max(LEAST_SCATTER)
+    }
+
     /// The mean angle of climb, rad.
     pub fn climb(&self) -> f64 {
         self.climb
@@ -71,7 +78,7 @@ impl Differences {
 }
 
 /// What explains the differences of roll and pitch.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Explained {
     /// The mounting's roll and pitch, rad.
     pub mounting: [f64; 2],
@@ -79,6 +86,12 @@ pub struct Explained {
     pub error: [f64; 2],
     /// How far the horizon leans to north and east, rad.
     lean: [f64; 2],
+}
+
+impl Default for Explained {
+    fn default() -> Self {
+        Self { mounting: [0.0; 2], error: [ANYTHING; 2], lean: [0.0; 2] }
+    }
 }
 
 impl Explained {

@@ -1,5 +1,6 @@
 //! The learner: what the differences from the references over minutes say of the mounting, and the trim that follows.
 
+use super::departure::Departure;
 use super::differences::{Differences, Explained, Shares};
 use super::prior::Prior;
 use crate::attitude::Attitude;
@@ -41,6 +42,7 @@ pub struct Learner {
     /// Of roll and of pitch.
     differences: [Differences; 2],
     explained: Explained,
+    departures: [Departure; 2],
     axes: [Axis; 2],
 }
 
@@ -50,6 +52,7 @@ impl Default for Learner {
             references: References::default(),
             differences: LASTS_S.map(Differences::new),
             explained: Explained::default(),
+            departures: [Departure::default(); 2],
             axes: [Axis::default(); 2],
         }
     }
@@ -85,14 +88,18 @@ impl Learner {
     /// Takes in that `angle` (0 is roll, 1 pitch) is estimated `difference` (rad) above the reference.
     fn learn(&mut self, angle: usize, difference: f64, reference: Angle, shares: Shares, climb: f64) {
         let Angle { sigma, span_s, .. } = reference;
-        if difference.abs() > LARGEST {
+        let (prior, limit) = LEARNT[angle];
+        let left = difference - self.explained.of(angle, shares);
+        let expected = self.explained.error[angle].hypot(prior.well);
+        let scattered = sigma * self.differences[angle].scatter();
+        let departure = &mut self.departures[angle];
+        departure.hear(left, (scattered, LASTS_S[angle]), span_s, expected);
+        if difference.abs() > LARGEST || departure.is_odd() {
             return;
         }
-        let left = difference - self.explained.of(angle, shares);
         self.differences[angle].gather((difference, sigma), shares, left, span_s, climb);
         let Some(explained) = Explained::by(&self.differences) else { return };
         self.explained = explained;
-        let (prior, limit) = LEARNT[angle];
         let error = explained.error[angle].hypot(AIR_SHARE * self.differences[angle].climb());
         let belief = prior.believe(explained.mounting[angle], error);
         let step = FASTEST_RAD_S * span_s;
@@ -111,6 +118,12 @@ impl Learner {
     /// to go, rad; 0 before anything was learnt.
     pub fn sigma(&self) -> Attitude {
         let [roll, pitch] = self.axes.map(|axis| axis.sigma);
+        Attitude { roll, pitch }
+    }
+
+    /// How far roll and pitch have departed of late from what was learnt, rad: they are off by that, or a reference is.
+    pub fn departed(&self) -> Attitude {
+        let [roll, pitch] = self.departures.map(|d| d.angle());
         Attitude { roll, pitch }
     }
 }

@@ -2,11 +2,13 @@
 //!
 //! - [`prior`]: how much of a difference is the mounting's, and how much no more than the angle of attack;
 //! - [`differences`]: what explains the differences of minutes: the mounting, and a horizon that leans;
+//! - [`departure`]: whether those of late are still the same;
 //! - [`learner`]: the trim that follows, never by a step.
 //!
 //! The references are slow and coarse: none of them says what the attitude is now, their mean over minutes
 //! says how the head is mounted. Without them there is no trim; with them it stays within limits.
 
+pub mod departure;
 pub mod differences;
 pub mod learner;
 pub mod prior;

@@ -155,6 +155,41 @@ fn without_references_there_is_no_trim_and_what_was_learnt_stays() {
     assert_eq!(silent(&mut f), before);
 }
 
+/// What a head shows beside its mounting after minutes, as with a wet sensor, is no mounting: nothing is learnt of it, and it
+/// is said by how much the attitude is off.
+#[test]
+fn what_departs_from_the_minutes_before_is_said_and_not_learnt() {
+    let mounted = Attitude::from_degrees(0.0, 6.0);
+    for (roll, pitch) in [(9.0, 0.0), (-9.0, 0.0), (0.0, 9.0), (0.0, -9.0), (-35.0, 0.0)] {
+        let off = Attitude::from_degrees(roll, 6.0 + pitch);
+        let mut f = Flight::new();
+        let before = f.fly(300.0, mounted, 0.0);
+        assert_eq!(f.learner.departed(), Attitude::default());
+        for minutes in 1..=4 {
+            let trim = f.fly(60.0, off, 0.0);
+            let moved = (trim.roll - before.roll).abs().max((trim.pitch - before.pitch).abs());
+            let departed = degrees(f.learner.departed());
+            assert!(moved < 1.0, "{roll} {pitch}, {minutes} min: {moved}");
+            let is = [departed.roll, departed.pitch];
+            for (is, by) in is.into_iter().zip([roll, pitch]) {
+                assert!(is >= 0.75 * by.abs() && is < by.abs() + 1.5, "{roll} {pitch}, {minutes} min: {departed:?}");
+            }
+        }
+        f.fly(90.0, mounted, 0.0);
+        assert_eq!(f.learner.departed(), Attitude::default(), "{roll} {pitch}");
+    }
+}
+
+/// Whether the first minute or all that came after it was odd: the longer is believed.
+#[test]
+fn what_lasts_longer_than_what_was_learnt_before_is_learnt() {
+    let mut f = Flight::new();
+    f.fly(60.0, Attitude::from_degrees(8.0, 0.0), 0.0);
+    let trim = f.fly(600.0, Attitude::default(), 0.0);
+    assert!(trim.roll.abs() < 1.0, "{trim:?}");
+    assert_eq!(f.learner.departed(), Attitude::default());
+}
+
 #[test]
 fn the_mounting_is_undone_exactly_at_any_attitude() {
     let mounted = Attitude::from_degrees(-8.0, 12.0);
