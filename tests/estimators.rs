@@ -169,8 +169,8 @@ fn spoilt(hostile: &Hostile, index: usize, now_ns: u64) -> Frame {
 
 /// Everything in `solution` is finite and in range.
 fn sound(name: &str, solution: &Solution) -> Result<(), TestCaseError> {
-    let Solution { attitude, sigma, contrast_k, seen_k, sensors, hidden, hint } = solution;
-    if let Some(a) = attitude {
+    let Solution { attitude, sigma, contrast_k, seen_k, sensors, hidden, hint, wired } = solution;
+    for a in attitude.iter().chain(wired.as_ref().map(|w| &w.attitude)) {
         prop_assert!(a.roll.abs() <= PI && a.pitch.abs() <= FRAC_PI_2, "{name}: {a:?}");
     }
     let told = sensors.iter().flat_map(|s| [s.expected_k, s.residual_k]).flatten().chain(*hidden);

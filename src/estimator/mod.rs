@@ -101,6 +101,21 @@ pub struct Solution {
     pub hidden: Option<f64>,
     /// Something warm beside, where that can be told.
     pub hint: Option<Hint>,
+    /// The head as it would be wired for a gyro to be right that turns otherwise than is seen; `None` where the gyro turns as
+    /// is seen, or no way to wire the head explains how it turns.
+    pub wired: Option<Otherwise>,
+}
+
+/// What a gyro says of a head that turns the other way round, with left and right exchanged, or about another axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Otherwise {
+    /// The attitude if the gyro is right, trims not yet taken off.
+    pub attitude: Attitude,
+    /// Whether roll and whether pitch is another then.
+    pub angles: [bool; 2],
+    /// The share of the squares of what is seen to turn that the gyro leaves, the head as it is configured; of one that
+    /// turns the other way round, 4.
+    pub left: f64,
 }
 
 /// A method of estimation.

@@ -62,6 +62,7 @@ impl Detectors {
         if low == State::Clear {
             self.obstructed.update(solution, frame.time);
         }
+        self.disagree.hear(solution, frame.time);
         self.stuck.update(frame, &solution.sensors);
         self.sensors.update(frame, buses_down);
         low == State::Clear && inverted == State::Clear && !self.wet.all()

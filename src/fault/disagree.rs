@@ -1,8 +1,10 @@
-//! Roll and pitch against the turn and the climb that are flown.
+//! Roll and pitch against the turn and the climb that are flown, and against the way in which a gyro turns.
 
 use super::debounce::Debounce;
+use super::wired::Wired;
 use super::{ActiveFault, Evidence, FaultKind};
 use crate::attitude::Attitude;
+use crate::estimator::Solution;
 use crate::estimator::references::{Angle, References, STEEPEST};
 use crate::frame::Aiding;
 use crate::time::Time;
@@ -38,10 +40,11 @@ struct Difference {
     disagrees: Debounce,
 }
 
-/// Sees `roll-disagrees` and `pitch-disagrees`. Without GPS it says nothing.
+/// Sees `roll-disagrees` and `pitch-disagrees`. Without GPS or a gyro it says nothing.
 #[derive(Clone, Debug)]
 pub struct Disagree {
     limit: f64,
+    wired: Wired,
     references: References,
     roll: Difference,
     pitch: Difference,
@@ -50,7 +53,7 @@ pub struct Disagree {
 }
 
 impl Disagree {
-    /// With the difference from which they disagree, rad.
+    /// With the difference from references from which they disagree, rad.
     pub fn new(limit: f64) -> Self {
         let none = Difference {
             mean: 0.0,
@@ -60,7 +63,8 @@ impl Disagree {
             heard: None,
             disagrees: Debounce::new(LASTS_S.0, LASTS_S.1),
         };
-        Self { limit, references: References::default(), roll: none, pitch: none, pitched: (0.0, 0.0) }
+        let references = References::default();
+        Self { limit, wired: Wired::default(), references, roll: none, pitch: none, pitched: (0.0, 0.0) }
     }
 
     /// Another difference from which they disagree, rad.
@@ -68,11 +72,17 @@ impl Disagree {
         self.limit = limit;
     }
 
+    /// Takes in what a method makes of a frame: whether a gyro turns otherwise.
+    pub fn hear(&mut self, solution: &Solution, now: Time) {
+        self.wired.update(solution, now);
+    }
+
     /// Takes in an attitude with its standard deviation, and what other instruments said. Without an attitude
     /// nothing is compared, and what was compared ends.
     pub fn update(&mut self, attitude: Option<(Attitude, Attitude)>, aiding: &Aiding, now: Time) {
         let Some((attitude, sigma)) = attitude else {
-            *self = Self::new(self.limit);
+            let wired = std::mem::take(&mut self.wired);
+            *self = Self { wired, ..Self::new(self.limit) };
             return;
         };
         let heard = self.references.hear(aiding, attitude.roll, now);
@@ -100,14 +110,20 @@ impl Disagree {
     pub fn doubt(&self, left_out: bool) -> Attitude {
         let share = if left_out { 1.0 } else { 0.5 };
         let of = |d: &Difference| if d.disagrees.is_active() { share * d.found } else { 0.0 };
-        Attitude { roll: of(&self.roll), pitch: of(&self.pitch) }
+        let wired = self.wired.doubt();
+        Attitude { roll: of(&self.roll).max(wired.roll), pitch: of(&self.pitch).max(wired.pitch) }
     }
 
     /// Adds what is there to `faults`.
     pub fn report(&self, faults: &mut Vec<ActiveFault>) {
-        for (kind, d) in [(FaultKind::RollDisagrees, &self.roll), (FaultKind::PitchDisagrees, &self.pitch)] {
+        let kinds = [FaultKind::RollDisagrees, FaultKind::PitchDisagrees];
+        for (angle, (kind, d)) in kinds.into_iter().zip([&self.roll, &self.pitch]).enumerate() {
             let [value, limit] = [d.mean, self.limit].map(f64::to_degrees);
-            d.disagrees.report(kind, Evidence::Limit { value, limit, unit: "°" }, faults);
+            if d.disagrees.is_active() {
+                d.disagrees.report(kind, Evidence::Limit { value, limit, unit: "°" }, faults);
+            } else {
+                self.wired.report(angle, kind, faults);
+            }
         }
     }
 }

@@ -5,7 +5,7 @@ use super::output::{attitude, moving};
 use super::state::CONTRAST;
 use crate::attitude::Attitude;
 use crate::estimator::guard::guard;
-use crate::estimator::{PAIR_SLOPE, Solution};
+use crate::estimator::{Otherwise, PAIR_SLOPE, Solution};
 
 impl FieldEstimator {
     pub(super) fn solution(&self) -> Solution {
@@ -47,6 +47,11 @@ impl FieldEstimator {
             sensors: std::array::from_fn(|i| self.hearing(i)),
             hidden: Some(self.may_hide()),
             hint: self.hint(),
+            wired: self.gyro.heard().and_then(|_| self.turns.wired()).map(|wired| Otherwise {
+                attitude: wired.attitude(attitude),
+                angles: wired.angles(),
+                left: self.turns.left(),
+            }),
         }
     }
 

@@ -2,7 +2,8 @@
 //!
 //! A filter that hears a gyro which is dead, the wrong way round or said in other units explains what does not fit by scenes,
 //! and errs by tens of degrees. This asks no filter: where the sky is seen in one half of a second, turned on by the gyro, is
-//! compared with where it is seen in the other half.
+//! compared with where it is seen in the other half. Where it turns otherwise, it is asked how the head would have to be wired
+//! for the gyro to be right.
 
 use super::FieldEstimator;
 use super::change::SceneChange;
@@ -11,6 +12,7 @@ use super::form::Form;
 use super::gyro::shown;
 use super::noise::NoiseLevel;
 use super::state::MAX_SENSORS;
+use super::wired::Wired;
 use crate::estimator::Standing;
 use crate::estimator::normal::Normal;
 use crate::estimator::vector::{Vector, add_scaled, cross, dot, length, product, rotation, unit};
@@ -35,6 +37,8 @@ const REMEMBERED: f64 = 20.0;
 const LEFT: (f64, f64, f64) = (0.7, 0.2, 0.05);
 const CLEAR: f64 = 1.2;
 const ENOUGH: f64 = 0.018;
+/// So much must be seen to turn to say how the head is wired, rad²; a way to wire it does not explain what is noise.
+const ASKED: f64 = 0.006;
 /// Such a share of what is left in a stretch is taken for the gyro's bias, and more at first.
 const BIAS: f64 = 0.2;
 
@@ -51,7 +55,12 @@ pub struct Turns {
     told: [f64; 3],
     contradict: bool,
     proven: bool,
+    /// Since it turns otherwise: the same sum of what is seen to turn, and of what is left by each way to wire the head.
+    since: (f64, [f64; WAYS]),
+    wired: Option<Wired>,
 }
+
+const WAYS: usize = Wired::ALL.len();
 
 /// Where the sky is seen by a frame alone.
 #[derive(Clone, Debug)]
@@ -69,9 +78,10 @@ pub struct Seen {
 struct Stretch {
     since: Time,
     last: Time,
-    /// Where the sky was, as it was seen, and turned on by the gyro since.
+    /// Where the sky was, as it was seen, and turned on by the gyro since: as the head is wired, and as it might be.
     seen: [Vector; 2],
     turned: [Vector; 2],
+    ways: [[Vector; 2]; WAYS],
     rest: [Pattern; 2],
     count: usize,
     lopsided: f64,
@@ -80,22 +90,31 @@ struct Stretch {
 impl Stretch {
     fn new(now: Time) -> Self {
         let (seen, rest) = ([[0.0; 3]; 2], [Pattern::default(); 2]);
-        Self { since: now, last: now, seen, turned: seen, rest, count: 0, lopsided: 0.0 }
+        let ways = [seen; WAYS];
+        Self { since: now, last: now, seen, turned: seen, ways, rest, count: 0, lopsided: 0.0 }
     }
 
-    fn take(&mut self, seen: &Seen, rates: Vector, now: Time) {
-        let on = rotation(rates.map(|r| -r * now.since(self.last)));
-        self.turned = self.turned.map(|t| product(&on, t));
+    /// Takes in where the sky is seen, after rates but for the bias, and, where that is asked, with it.
+    fn take(&mut self, seen: &Seen, rates: Vector, asked: Option<Vector>, now: Time) {
         let half = usize::from(now.since(self.since) >= HALF_S);
-        for sums in [&mut self.seen, &mut self.turned] {
-            sums[half] = add_scaled(sums[half], 1.0, seen.sky_k);
+        let add = |sums: &mut [Vector; 2]| sums[half] = add_scaled(sums[half], 1.0, seen.sky_k);
+        let turn = |sums: &mut [Vector; 2], rates: Vector| {
+            let on = rotation(rates.map(|r| -r * now.since(self.last)));
+            *sums = sums.map(|t| product(&on, t));
+            add(sums);
+        };
+        add(&mut self.seen);
+        turn(&mut self.turned, rates);
+        if let Some(rates) = asked {
+            self.ways.iter_mut().zip(Wired::ALL).for_each(|(sums, wired)| turn(sums, wired.rates(rates)));
         }
         self.rest[half].iter_mut().zip(&seen.rest_k).for_each(|(sum, rest)| *sum += rest);
         (self.last, self.count, self.lopsided) = (now, self.count + 1, self.lopsided.max(seen.lopsided));
     }
 
-    /// The squares of what was seen to turn, what the gyro leaves of it, and what may be off, rad²; the turn that is left.
-    fn told(&self) -> Option<([f64; 3], Vector)> {
+    /// The squares of what was seen to turn, what the gyro leaves of it, and what may be off, rad²; the turn that is left;
+    /// and the squares of what it leaves in each way to wire the head.
+    fn told(&self) -> Option<([f64; 3], Vector, [f64; WAYS])> {
         let [Some(a), Some(b)] = self.turned.map(unit) else { return None };
         let [Some(c), Some(d)] = self.seen.map(unit) else { return None };
         let half = self.count as f64 / 2.0;
@@ -104,7 +123,11 @@ impl Stretch {
         let off_k2 = OFF.1.powi(2) + CHANGED.powi(2) * changed_k2;
         let off = OFF.0.powi(2) + (LOPSIDED * self.lopsided).powi(2) + off_k2 / least_k.powi(2);
         let angle = |a, b| dot(a, b).clamp(-1.0, 1.0).acos();
-        Some(([angle(c, d).powi(2), angle(a, b).powi(2), off], cross(a, b)))
+        let ways = self.ways.map(|sums| match sums.map(unit) {
+            [Some(a), Some(b)] => angle(a, b).powi(2),
+            _ => 0.0,
+        });
+        Some(([angle(c, d).powi(2), angle(a, b).powi(2), off], cross(a, b), ways))
     }
 }
 
@@ -124,24 +147,61 @@ impl Turns {
             self.judge(told);
         }
         let mut stretch = stretch.filter(|s| !over(s)).unwrap_or_else(|| Stretch::new(now));
-        stretch.take(&seen, add_scaled(rates, -1.0, self.bias), now);
+        stretch.take(&seen, add_scaled(rates, -1.0, self.bias), self.contradict.then_some(rates), now);
         self.stretch = Some(stretch);
     }
 
-    fn judge(&mut self, (told, turn): ([f64; 3], Vector)) {
+    fn judge(&mut self, (told, turn, ways): ([f64; 3], Vector, [f64; WAYS])) {
         self.learnt += 1.0;
         self.bias = add_scaled(self.bias, BIAS.max(1.0 / (1.0 + self.learnt)) / HALF_S, turn);
-        let weight = (MOST.powi(2) / told[0].max(told[1]).max(f64::MIN_POSITIVE)).min(1.0);
+        let weight = |turned: f64| (MOST.powi(2) / turned.max(f64::MIN_POSITIVE)).min(1.0);
+        self.ask(weight(told[0]) * told[0], ways.map(|left| weight(told[0]) * left));
+        let weight = weight(told[0].max(told[1]));
         for (sum, told) in self.told.iter_mut().zip(told) {
             *sum += weight * told - *sum / REMEMBERED;
         }
         let [seen, left, off] = self.told;
         if left > ENOUGH && left > LEFT.0 * seen && left > CLEAR * off {
             (self.contradict, self.proven) = (true, false);
-        } else if seen > ENOUGH && left < LEFT.1 * seen {
+        } else if seen > ENOUGH && left < LEFT.1 * seen && (self.wired.is_none() || left < self.least()) {
+            // In a steady turn a bias explains all that is seen, too.
             self.contradict = false;
             self.proven |= left < LEFT.2 * seen;
         }
+    }
+
+    /// Asks which way to wire the head explains a stretch in which `seen` was seen to turn.
+    fn ask(&mut self, seen: f64, ways: [f64; WAYS]) {
+        if !self.contradict {
+            (self.since, self.wired) = Default::default();
+            return;
+        }
+        let (sum, sums) = &mut self.since;
+        *sum += seen - *sum / REMEMBERED;
+        sums.iter_mut().zip(ways).for_each(|(sum, left)| *sum += left - *sum / REMEMBERED);
+        let [as_configured, ..] = *sums;
+        let best = sums.iter().zip(Wired::ALL).skip(1).min_by(|a, b| a.0.total_cmp(b.0));
+        if let Some((left, wired)) = best.filter(|_| *sum > ASKED) {
+            // What was found explains less among clouds.
+            let kept = self.wired.filter(|_| *left < LEFT.0 * *sum);
+            self.wired = if *left < LEFT.1 * sum.min(as_configured) { Some(wired) } else { kept };
+        }
+    }
+
+    /// What is left by the way to wire the head that leaves least.
+    fn least(&self) -> f64 {
+        self.since.1.iter().skip(1).copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// How the head would have to be wired for a gyro to be right that turns otherwise than is seen; `None` where no way
+    /// explains that.
+    pub fn wired(&self) -> Option<Wired> {
+        self.wired.filter(|_| self.contradict)
+    }
+
+    /// The share of the squares of what is seen to turn that the gyro leaves.
+    pub fn left(&self) -> f64 {
+        self.told[1] / self.told[0].max(f64::MIN_POSITIVE)
     }
 
     /// Whether the gyro turns otherwise than is seen.
@@ -245,6 +305,37 @@ mod tests {
                 assert!(after_s.is_some_and(|s| s < 20.0), "{what}, {sky_k} K: {after_s:?}");
             }
         }
+    }
+
+    /// Rolls and pitches for a minute under a head that is wired otherwise.
+    #[test]
+    fn a_head_that_is_wired_otherwise_is_told_from_a_gyro_that_is_dead() {
+        let after_s = |wired: Option<Wired>| {
+            let mut turns = Turns::default();
+            let mut attitude = [0.0, 0.0, 30.0];
+            (0..3000).map(|i| 0.02 * f64::from(i)).find(|t| {
+                let rates = [0.5 * (1.3 * t).cos(), 0.3 * (0.9 * t).sin(), 0.1];
+                attitude = product(&rotation(rates.map(|r| -0.02 * r)), attitude);
+                let seen = Seen { sky_k: attitude, rest_k: Pattern::default(), lopsided: 0.0 };
+                // To wire it so or to turn the gyro so is the same to the two.
+                let says = wired.map_or([0.0; 3], |w| inverse(w).rates(rates));
+                turns.update(Some(seen), Some(says), 0.0, Time::from_secs_f64(9.0 + t));
+                assert!(turns.wired().is_none_or(|w| Some(w) == wired), "{wired:?}: {:?}", turns.wired());
+                turns.wired().is_some()
+            })
+        };
+        for wired in Wired::ALL.into_iter().skip(1) {
+            assert!(after_s(Some(wired)).is_some_and(|s| s < 30.0), "{wired:?}: {:?}", after_s(Some(wired)));
+        }
+        assert_eq!(after_s(None), None);
+    }
+
+    /// The way to wire a head that undoes `wired`.
+    fn inverse(wired: Wired) -> Wired {
+        let same = |w: &Wired| {
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].iter().all(|v| w.rates(wired.rates(*v)) == *v)
+        };
+        Wired::ALL.into_iter().find(same).unwrap()
     }
 
     #[test]

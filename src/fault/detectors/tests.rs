@@ -4,7 +4,7 @@ use super::super::kit::alike;
 use super::*;
 use crate::config::Settings;
 use crate::direction::Direction;
-use crate::estimator::{Hearing, Standing};
+use crate::estimator::{Hearing, Otherwise, Standing};
 use crate::frame::{Aiding, Reading, Sample, Value};
 use crate::head::SensorKind;
 use crate::time::Time;
@@ -47,8 +47,13 @@ fn solution() -> impl Strategy<Value = Solution> {
         .prop_map(|(standing, expected_k, residual_k, lost)| Hearing { standing, expected_k, residual_k, lost });
     let angles = || (number(), number()).prop_map(|(roll, pitch)| Attitude { roll, pitch });
     let seen = of(proptest::array::uniform3(number()));
-    (of(angles()), angles(), of(number()), seen, proptest::array::uniform8(hearing), of(number())).prop_map(
-        |(attitude, sigma, contrast_k, seen_k, sensors, hidden)| Solution {
+    let wired = (angles(), any::<[bool; 2]>(), number()).prop_map(|(attitude, angles, left)| Otherwise {
+        attitude,
+        angles,
+        left,
+    });
+    (of(angles()), angles(), of(number()), seen, proptest::array::uniform8(hearing), of(number()), of(wired)).prop_map(
+        |(attitude, sigma, contrast_k, seen_k, sensors, hidden, wired)| Solution {
             attitude,
             sigma,
             contrast_k,
@@ -56,6 +61,7 @@ fn solution() -> impl Strategy<Value = Solution> {
             sensors,
             hidden,
             hint: None,
+            wired,
         },
     )
 }

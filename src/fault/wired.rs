@@ -1,0 +1,88 @@
+//! A head that turns otherwise than a gyro says: wired the other way round, or the gyro is.
+
+use super::debounce::Debounce;
+use super::{ActiveFault, Evidence, FaultKind};
+use crate::attitude::Attitude;
+use crate::estimator::{Otherwise, Solution};
+use crate::time::Time;
+use std::f64::consts::PI;
+
+/// Seconds for which it must be gone; the method has taken its time to find it.
+const GONE_S: f64 = 3.0;
+/// The percentage of the squares of what is seen to turn from which on a gyro turns otherwise.
+const LIMIT: f64 = 70.0;
+
+/// Sees that roll, or pitch, turns the other way round than a gyro says. Without one it says nothing.
+#[derive(Clone, Debug)]
+pub struct Wired {
+    /// Roll and pitch.
+    angles: [Debounce; 2],
+    left: f64,
+    doubt: Attitude,
+}
+
+impl Default for Wired {
+    fn default() -> Self {
+        Self { angles: [Debounce::new(0.0, GONE_S); 2], left: 0.0, doubt: Attitude::default() }
+    }
+}
+
+impl Wired {
+    /// Takes in what a method makes of a frame.
+    pub fn update(&mut self, solution: &Solution, now: Time) {
+        let otherwise = solution.wired.unwrap_or_default();
+        for (angle, there) in self.angles.iter_mut().zip(otherwise.angles) {
+            angle.update(there, now);
+        }
+        let found = solution.attitude.zip(solution.wired);
+        self.doubt = found.map_or_else(Attitude::default, |(is, Otherwise { attitude, .. })| {
+            let apart = (is.roll - attitude.roll).abs() % (2.0 * PI);
+            Attitude { roll: apart.min(2.0 * PI - apart), pitch: (is.pitch - attitude.pitch).abs() }
+        });
+        self.left = if solution.wired.is_some() { 100.0 * otherwise.left } else { self.left };
+    }
+
+    /// What to add to the standard deviations of roll and pitch: how far off they are if the gyro is right.
+    pub fn doubt(&self) -> Attitude {
+        self.doubt
+    }
+
+    /// Adds `kind` to `faults` where `angle` (0 is roll, 1 pitch) turns otherwise.
+    pub fn report(&self, angle: usize, kind: FaultKind, faults: &mut Vec<ActiveFault>) {
+        let evidence = Evidence::Limit { value: self.left, limit: LIMIT, unit: "%" };
+        self.angles[angle].report(kind, evidence, faults);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::kit::{at, told};
+    use super::*;
+
+    fn said(wired: &Wired) -> Vec<FaultKind> {
+        told(|faults| {
+            wired.report(0, FaultKind::RollDisagrees, faults);
+            wired.report(1, FaultKind::PitchDisagrees, faults);
+        })
+        .iter()
+        .map(|t| t.0)
+        .collect()
+    }
+
+    #[test]
+    fn what_turns_the_other_way_round_is_told_and_doubted_by_all_that_it_may_be_off() {
+        let attitude = Some(Attitude::from_degrees(170.0, 10.0));
+        let other = Otherwise { attitude: Attitude::from_degrees(-170.0, 10.0), angles: [true, false], left: 3.9 };
+        let mut wired = Wired::default();
+        wired.update(&Solution { attitude, ..Solution::default() }, at(1.0));
+        assert_eq!((said(&wired), wired.doubt()), (vec![], Attitude::default()));
+        wired.update(&Solution { attitude, wired: Some(other), ..Solution::default() }, at(2.0));
+        assert_eq!(said(&wired), [FaultKind::RollDisagrees]);
+        assert!((wired.doubt().roll.to_degrees() - 20.0).abs() < 1e-9 && wired.doubt().pitch == 0.0);
+        // Where it is decided that it was the gyro, it ends.
+        for (t, kinds) in [(3.0, 1), (5.9, 1), (6.0, 0)] {
+            wired.update(&Solution { attitude, ..Solution::default() }, at(t));
+            assert_eq!((said(&wired).len(), wired.doubt()), (kinds, Attitude::default()), "{t} s");
+        }
+    }
+}
