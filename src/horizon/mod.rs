@@ -97,7 +97,8 @@ impl Horizon {
             }
             Mounting::Turned(_) => {}
         }
-        self.estimator.set_trim(trim);
+        let learnt = self.learner.as_ref().map_or_else(Attitude::default, Learner::trim);
+        self.estimator.set_trim(Attitude { roll: trim.roll + learnt.roll, pitch: trim.pitch + learnt.pitch });
         self.detectors.retune(&settings.faults);
         self.output.retune(&settings.faults);
     }

@@ -331,6 +331,29 @@ fn the_report_s_scheme_learns_nothing_nor_does_a_horizon_that_is_told_not_to() {
     assert!(Horizon::new(&settings, Head::six()).learner.is_none());
 }
 
+/// How the body's rates lie to the head's axes is not forgotten where thresholds change.
+#[test]
+fn other_thresholds_leave_the_learnt_trim_where_it_is() {
+    struct Told(std::sync::Arc<std::sync::Mutex<Attitude>>);
+    impl Estimator for Told {
+        fn update(&mut self, _: &Frame) -> crate::estimator::Solution {
+            Default::default()
+        }
+        fn set_trim(&mut self, trim: Attitude) {
+            *self.0.lock().unwrap() = trim;
+        }
+    }
+    let mut f = nine_up(Some(Learner::default()), 400);
+    let told = std::sync::Arc::default();
+    f.horizon.estimator = Box::new(Told(std::sync::Arc::clone(&told)));
+    let mut settings = Settings::default();
+    settings.head.pitch_trim_deg = 2.0;
+    settings.faults.low_contrast_c = 5.0;
+    f.horizon.retune(&settings);
+    let pitch_deg = told.lock().unwrap().pitch.to_degrees();
+    assert!((pitch_deg - 9.0).abs() < 0.5, "{pitch_deg}");
+}
+
 #[test]
 fn other_thresholds_and_trims_are_taken_up_without_forgetting() {
     let mut settings = by(Method::Field);
