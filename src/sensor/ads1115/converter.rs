@@ -78,6 +78,8 @@ pub struct Converter<C: Clock> {
     pub line: ReadyLine,
     state: State,
     flight: Option<Flight>,
+    /// The line has fallen silent: the chip may have lost what makes it speak.
+    mute: bool,
     quiet_until: Time,
 }
 
@@ -92,6 +94,7 @@ impl<C: Clock> Converter<C> {
             line: ReadyLine::default(),
             state: State::Unset(AdcError::Bus(BusError::Gone), Time::default()),
             flight: None,
+            mute: false,
             quiet_until: Time::default(),
         }
     }
@@ -109,9 +112,13 @@ impl<C: Clock> Converter<C> {
         self.flight = None;
     }
 
-    /// Starts the first channel if the chip is free to.
+    /// Starts the first channel if the chip is free to. Where its line has fallen silent the chip is set up anew before,
+    /// once: a supply that drops between two conversions leaves no trace but the thresholds.
     pub fn begin(&mut self) {
         // What goes wrong here, the measurement of the first slot says.
+        if std::mem::take(&mut self.mute) {
+            let _ = self.set_up();
+        }
         if !self.continuous() && self.is_free() == Ok(true) {
             let _ = self.start(0);
         }
@@ -276,7 +283,7 @@ impl<C: Clock> Converter<C> {
             }
         }
         if edge == Edge::None {
-            self.line.missed(&self.name);
+            self.mute |= self.line.missed(&self.name);
         }
         Ok(edge)
     }

@@ -78,11 +78,12 @@ impl ReadyLine {
         self.early = 0;
     }
 
-    /// An edge of `chip` did not come in its time.
-    pub fn missed(&mut self, chip: &str) {
+    /// An edge of `chip` did not come in its time; whether that is new.
+    pub fn missed(&mut self, chip: &str) -> bool {
         self.heard = 0;
         let trouble = self.trouble.take();
-        if !self.silent {
+        let new = !self.silent;
+        if new {
             self.silent = true;
             let why = trouble.map_or_else(|| "no edge".to_owned(), |t| t.to_string());
             log::warn!(
@@ -90,5 +91,6 @@ impl ReadyLine {
                  there, with a pull-up?"
             );
         }
+        new
     }
 }

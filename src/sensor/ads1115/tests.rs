@@ -461,3 +461,21 @@ fn a_supply_that_drops_between_two_attempts_at_a_result_is_noticed() {
         assert_eq!(origin(chip.read(0)), (0, 2));
     }
 }
+
+#[test]
+fn a_line_that_a_lost_supply_made_silent_speaks_again() {
+    let world = World::new();
+    let mut chip = opened(&world, 1, true);
+    let mut scan = || {
+        chip.begin();
+        chip.read(0).unwrap();
+        let now = world.world().now;
+        world.world().advance(now + 10 * MILLISECOND);
+        chip.health(0).counters.not_ready
+    };
+    assert_eq!((0..5).map(|_| scan()).max(), Some(0));
+    // Between two scans: the next start writes the settings, but not the thresholds.
+    world.world().brown_out();
+    assert_eq!((0..50).map(|_| scan()).max(), Some(1));
+    assert_eq!(world.world().registers[2..], [0x0000, 0x8000]);
+}
