@@ -216,6 +216,9 @@ impl HardwareSource {
         if let Err(e) = result {
             m.fitted.chip.close();
             self.used(chip, Err(e.missing()), Some(e));
+        } else if let Some(twin) = self.twin(chip) {
+            let [place, other] = [chip, twin].map(|i| &self.members[i].fitted.place);
+            log::warn!("{place}: has the identity of {other}: does each bus lead to chips of its own? i2cdetect -l");
         }
         result.map_err(BusError::missing)
     }

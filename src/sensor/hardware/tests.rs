@@ -34,6 +34,7 @@ struct Life {
     reads: u32,
     housekept: u32,
     is_open: bool,
+    identity: Option<u64>,
 }
 
 #[derive(Clone, Default)]
@@ -86,7 +87,7 @@ impl Chip for Fake {
     }
 
     fn health(&self, _: usize) -> SensorHealth {
-        SensorHealth { settling_s: 0.1, ..SensorHealth::default() }
+        SensorHealth { settling_s: 0.1, identity: self.get(|l| l.identity), ..SensorHealth::default() }
     }
 }
 
@@ -190,6 +191,22 @@ fn every_sensor_is_read_at_every_scan() {
     assert_eq!(rig.source.buses_down(), [None, None]);
     assert_eq!(rig.source.health()[2].settling_s, 0.1);
     assert_eq!(rig.source.health()[2].counters.reopened, 0);
+}
+
+#[test]
+fn one_chip_that_answers_for_two_is_known_by_its_identity() {
+    let twins = |identities: &[Option<u64>], absent: bool| {
+        let mut rig = rig(&[0, 1, 1], false);
+        rig.chips.iter().zip(identities).for_each(|(chip, id)| chip.set(|l| l.identity = *id));
+        rig.chips[0].set(|l| l.opening = absent.then_some(BusError::NoAnswer));
+        rig.scans(3);
+        [0, 1, 2].map(|i| rig.source.twin(i))
+    };
+    assert_eq!(twins(&[Some(5), Some(6), Some(5)], false), [Some(2), None, Some(0)]);
+    assert_eq!(twins(&[Some(5), Some(6), Some(5)], true), [Some(2), None, None], "one that is not there");
+    for none in [None, Some(0), Some(u64::MAX)] {
+        assert_eq!(twins(&[none; 3], false), [None; 3]);
+    }
 }
 
 #[test]

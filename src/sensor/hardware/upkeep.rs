@@ -1,6 +1,6 @@
 //! What a scan does besides reading: buses that come and go, power lines, housekeeping, health.
 
-use super::HardwareSource;
+use super::{HardwareSource, Member};
 use crate::bus::BusError;
 use crate::bus::explain::{Facts, explain};
 use crate::frame::Missing;
@@ -51,6 +51,14 @@ impl HardwareSource {
                 }
             }
         }
+    }
+
+    /// The chip that answers with the identity of `chip`: behind a multiplexer that is not switched one answers for several.
+    pub(super) fn twin(&self, chip: usize) -> Option<usize> {
+        let identity = |m: &Member| m.fitted.chip.health(0).identity.filter(|id| ![0, u64::MAX].contains(id));
+        let sought = identity(&self.members[chip])?;
+        let same = |(i, m): &(usize, &Member)| *i != chip && m.link.is_open() && identity(m) == Some(sought);
+        self.members.iter().enumerate().find(same).map(|(i, _)| i)
     }
 
     /// Power-cycles what has been silent for too long, step by step.
