@@ -188,6 +188,17 @@ impl CtlError {
         }
     }
 
+    /// The error for a person to read: in one line, but for what is wrong in a configuration, which points to its lines.
+    pub fn text(&self) -> String {
+        match self {
+            Self::Config(cause) if cause.to_string().contains('\n') => {
+                let lines: Vec<String> = cause.to_string().lines().map(printable).collect();
+                format!("{self}:\n{}", lines.join("\n"))
+            }
+            _ => chain(self),
+        }
+    }
+
     /// Whether nobody reads any more: no error to tell anyone.
     pub fn is_broken_pipe(&self) -> bool {
         match self {
@@ -227,5 +238,9 @@ mod tests {
         assert_eq!(line, "writing to standard output failed: no such name");
         let source = ReadError::Open { file: "a.csv".into(), source: io::Error::other("gone") };
         assert_eq!(chain(&CtlError::Read(source)).matches("gone").count(), 1);
+        assert_eq!(CtlError::Config("a:2: no\u{1b}\n  2 | x".into()).text().lines().count(), 3);
+        assert!(!CtlError::Config("a:2: no\u{1b}\n  2 | x".into()).text().contains('\u{1b}'));
+        let plain = CtlError::Config("a: no sensor".into());
+        assert_eq!(plain.text(), chain(&plain));
     }
 }

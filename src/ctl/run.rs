@@ -1,7 +1,7 @@
 //! Does what the command line says.
 
 use super::cli::{Cli, Command, SensorsFormat, StatusFormat};
-use super::error::{CtlError, EXIT_FAILED, EXIT_OK, EXIT_USAGE, chain};
+use super::error::{CtlError, EXIT_FAILED, EXIT_OK, EXIT_USAGE};
 use super::kit::Kit;
 use super::view::Status;
 use super::{
@@ -47,7 +47,7 @@ pub fn run(
         Ok(code) => code,
         Err(e) if e.is_broken_pipe() => EXIT_OK,
         Err(e) => {
-            let _ = writeln!(err, "irhorizonctl: {}", chain(&e));
+            let _ = writeln!(err, "irhorizonctl: {}", e.text());
             e.code()
         }
     }
