@@ -9,7 +9,7 @@
 //! - [`guard`]: where in doubt, to the safe side;
 //! - [`references`]: what GPS and airspeed say: the bank of a coordinated turn, the angle of climb, the heading;
 //! - [`wind`]: the wind, and how far the airspeed is off;
-//! - [`sides`]: which side is up;
+//! - [`sides`]: which side is up; [`wired`]: the ways to wire a head;
 //! - [`range`]: the low-pass filter of the adaptive range;
 //! - [`suits`]: which heads each method works with;
 //! - [`whiteness`]: how much moves, learnt from innovations;
@@ -35,6 +35,7 @@ pub mod trim;
 pub mod vector;
 pub mod whiteness;
 pub mod wind;
+pub mod wired;
 
 pub use field::FieldEstimator;
 pub use inverse_sine::InverseSineEstimator;
@@ -106,15 +107,15 @@ pub struct Solution {
     pub wired: Option<Otherwise>,
 }
 
-/// What a gyro says of a head that turns the other way round, with left and right exchanged, or about another axis.
+/// What is said of a head that turns the other way round, with left and right exchanged, or about another axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Otherwise {
-    /// The attitude if the gyro is right, trims not yet taken off.
+    /// The attitude if it is wired so, trims not yet taken off.
     pub attitude: Attitude,
     /// Whether roll and whether pitch is another then.
     pub angles: [bool; 2],
-    /// The share of the squares of what is seen to turn that the gyro leaves, the head as it is configured; of one that
-    /// turns the other way round, 4.
+    /// The share of the squares of what turns that is left, the head as it is configured; of one that turns the other way
+    /// round, 4.
     pub left: f64,
 }
 

@@ -87,6 +87,9 @@ impl Disagree {
         };
         let heard = self.references.hear(aiding, attitude.roll, now);
         self.pitched = (self.pitched.0 + attitude.pitch, self.pitched.1 + 1.0);
+        let flying = attitude.roll.abs() < FLYING.roll && attitude.pitch.abs() < FLYING.pitch;
+        let references = [heard.bank.map(|(bank, _)| bank), heard.climb];
+        self.wired.compare(attitude, references.map(|r| r.filter(|_| flying)));
         if let Some((bank, roll)) = heard.bank {
             if roll.abs() < FLYING.roll && attitude.pitch.abs() < FLYING.pitch {
                 // How steep a steep one is nobody knows: one of the two that is disagrees by so much at least.

@@ -1,48 +1,60 @@
-//! A head that turns otherwise than a gyro says: wired the other way round, or the gyro is.
+//! A head that turns otherwise than a gyro says, or than the turns and climbs that are flown: wired the other way round.
+
+mod ways;
 
 use super::debounce::Debounce;
 use super::{ActiveFault, Evidence, FaultKind};
 use crate::attitude::Attitude;
+use crate::estimator::references::Angle;
 use crate::estimator::{Otherwise, Solution};
 use crate::time::Time;
 use std::f64::consts::PI;
+use ways::Ways;
 
 /// Seconds for which it must be gone; the method has taken its time to find it.
 const GONE_S: f64 = 3.0;
-/// The percentage of the squares of what is seen to turn from which on a gyro turns otherwise.
+/// The percentage of the squares of what turns that is left, from which on it turns otherwise.
 const LIMIT: f64 = 70.0;
 
-/// Sees that roll, or pitch, turns the other way round than a gyro says. Without one it says nothing.
+/// Sees that roll, or pitch, turns the other way round. Without a gyro or GPS it says nothing.
 #[derive(Clone, Debug)]
 pub struct Wired {
     /// Roll and pitch.
     angles: [Debounce; 2],
     left: f64,
     doubt: Attitude,
+    ways: Ways,
 }
 
 impl Default for Wired {
     fn default() -> Self {
-        Self { angles: [Debounce::new(0.0, GONE_S); 2], left: 0.0, doubt: Attitude::default() }
+        Self { angles: [Debounce::new(0.0, GONE_S); 2], left: 0.0, doubt: Attitude::default(), ways: Ways::default() }
     }
 }
 
 impl Wired {
     /// Takes in what a method makes of a frame.
     pub fn update(&mut self, solution: &Solution, now: Time) {
-        let otherwise = solution.wired.unwrap_or_default();
-        for (angle, there) in self.angles.iter_mut().zip(otherwise.angles) {
+        let by_references = solution.attitude.and_then(|is| self.ways.found(is));
+        let found = solution.wired.or(by_references);
+        let angles = found.map_or([false; 2], |otherwise| otherwise.angles);
+        for (angle, there) in self.angles.iter_mut().zip(angles) {
             angle.update(there, now);
         }
-        let found = solution.attitude.zip(solution.wired);
-        self.doubt = found.map_or_else(Attitude::default, |(is, Otherwise { attitude, .. })| {
+        let both = solution.attitude.zip(found);
+        self.doubt = both.map_or_else(Attitude::default, |(is, Otherwise { attitude, .. })| {
             let apart = (is.roll - attitude.roll).abs() % (2.0 * PI);
             Attitude { roll: apart.min(2.0 * PI - apart), pitch: (is.pitch - attitude.pitch).abs() }
         });
-        self.left = if solution.wired.is_some() { 100.0 * otherwise.left } else { self.left };
+        self.left = found.map_or(self.left, |otherwise| 100.0 * otherwise.left);
     }
 
-    /// What to add to the standard deviations of roll and pitch: how far off they are if the gyro is right.
+    /// Takes in an attitude and the bank and angle of climb that came with it.
+    pub fn compare(&mut self, attitude: Attitude, references: [Option<Angle>; 2]) {
+        self.ways.update(attitude, references);
+    }
+
+    /// What to add to the standard deviations of roll and pitch: how far off they are if the head is wired so.
     pub fn doubt(&self) -> Attitude {
         self.doubt
     }

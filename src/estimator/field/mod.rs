@@ -16,7 +16,7 @@
 //! - `form`: sensors that see in another form than said; `averaging`: how much they average in radiance; `calibration`:
 //!   how far they are off; `expected`: states of which more is expected later;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `turns`: whether they turn as
-//!   is seen; `wired`: how the head may be wired otherwise; `askew`: a gyro whose axes are not the head's; `rest`: whether what is seen moves;
+//!   is seen; `askew`: a gyro whose axes are not the head's; `rest`: whether what is seen moves;
 //! - `aid`: the slow references; `reference_noise`: how much these are off;
 //! - `unheard`: what a sensor left out might have been right about; `misjudged`: whether it is the wrong one;
 //!   `alone`: what one tells whose opposite is not heard;
@@ -59,7 +59,6 @@ mod stuck;
 mod tuning;
 mod turns;
 mod unheard;
-mod wired;
 mod witness;
 
 pub use state::MAX_SENSORS;

@@ -12,10 +12,10 @@ use super::form::Form;
 use super::gyro::shown;
 use super::noise::NoiseLevel;
 use super::state::MAX_SENSORS;
-use super::wired::Wired;
 use crate::estimator::Standing;
 use crate::estimator::normal::Normal;
 use crate::estimator::vector::{Vector, add_scaled, cross, dot, length, product, rotation, unit};
+use crate::estimator::wired::Wired;
 use crate::time::Time;
 
 /// Half of a stretch, s.

@@ -13,7 +13,7 @@ pub struct Wired {
 }
 
 impl Wired {
-    /// As it is configured, and all others.
+    /// As it is configured, and all others, in the order of how much is changed.
     pub const ALL: [Self; 8] = [
         Self { crossed: false, turned: [false, false] },
         Self { crossed: false, turned: [false, true] },
