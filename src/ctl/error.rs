@@ -1,6 +1,7 @@
 //! What goes wrong, in one line with the next step, and the exit codes.
 
 use super::calibrate::CalibrateError;
+use super::in_use::InUse;
 use super::kit::{Cause, DaemonError};
 use super::set_address::SetAddressError;
 use crate::config;
@@ -32,6 +33,9 @@ pub enum CtlError {
     /// The daemon refuses a stream of frames.
     #[error("{}", chain(&**.0))]
     NoFrames(Cause),
+    /// A daemon reads the bus.
+    #[error(transparent)]
+    InUse(#[from] InUse),
     /// An address was not changed.
     #[error(transparent)]
     SetAddress(#[from] SetAddressError),

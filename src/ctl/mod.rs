@@ -9,7 +9,7 @@
 //! - [`watch`]: the live horizon.
 //! - [`setup_args`]: the words of the commands that set a head up and look after it.
 //! - [`doctor`]: what is wrong with an installation, and the next step.
-//! - [`set_address`]: another address for an MLX90614.
+//! - [`set_address`]: another address for an MLX90614; [`in_use`]: whether a daemon reads the bus.
 //! - [`calibrate`]: trims, neutral voltages and offsets measured; [`save`](crate::save): files that no power cut leaves torn.
 //! - [`wait`]: until attitude is given.
 //! - [`trim`]: the head's trim as configuration.
@@ -26,6 +26,7 @@ pub mod cli;
 pub mod client;
 pub mod doctor;
 pub mod error;
+pub mod in_use;
 pub mod kit;
 mod name;
 pub mod opening;

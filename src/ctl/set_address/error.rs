@@ -8,20 +8,6 @@ use thiserror::Error;
 /// Why an address was not changed.
 #[derive(Debug, Error)]
 pub enum SetAddressError {
-    /// The daemon reads the bus.
-    #[error(
-        "irhorizond reads {} on {}: stop it first: sudo systemctl stop irhorizond",
-        .sensors.join(", "), .bus.display()
-    )]
-    Daemon {
-        /// The bus.
-        bus: PathBuf,
-        /// Its sensors there.
-        sensors: Vec<String>,
-    },
-    /// A daemon runs that does not say which bus it reads.
-    #[error("an irhorizond (pid {0}) runs and may be reading the bus: stop it first, or say where to ask it: --bus")]
-    Process(u32),
     /// The bus fails.
     #[error("{0}")]
     Bus(String),

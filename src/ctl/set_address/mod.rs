@@ -9,6 +9,7 @@ mod scan;
 pub use error::SetAddressError;
 
 use super::error::CtlError;
+use super::in_use::nobody_reads;
 use super::kit::Kit;
 use super::run::print;
 use super::setup_args::SetAddressArgs;
@@ -17,7 +18,6 @@ use crate::config::settings::BusAddress;
 use crate::sensor::mlx90614::Mlx90614;
 use crate::sensor::mlx90614::eeprom::{EepromError, PecOnWrite};
 use scan::{Found, Sensor, What, explained, scan};
-use std::fs;
 use std::io::Write;
 use std::path::Path;
 
@@ -51,21 +51,6 @@ pub fn command(args: &SetAddressArgs, dbus: &BusAddress, kit: &Kit, out: &mut dy
         print(out, &format!("it answers at {new:#04x}: identity {:016x}\n", there.identity))?;
     }
     Ok(())
-}
-
-/// Refuses while a daemon reads the bus.
-fn nobody_reads(i2c_bus: &Path, dbus: &BusAddress, kit: &Kit) -> Result<(), SetAddressError> {
-    let real = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    match (kit.connect)(dbus).and_then(|mut daemon| daemon.status()) {
-        Ok(status) => {
-            let ours = status.sensors.iter().filter(|s| !s.bus.is_empty() && real(Path::new(&s.bus)) == real(i2c_bus));
-            let sensors: Vec<String> = ours.map(|s| s.name.clone()).collect();
-            let bus = i2c_bus.to_owned();
-            if sensors.is_empty() { Ok(()) } else { Err(SetAddressError::Daemon { bus, sensors }) }
-        }
-        // One that is not on this D-Bus bus may be on this I²C bus.
-        Err(_) => (kit.daemon_process)().map_or(Ok(()), |pid| Err(SetAddressError::Process(pid))),
-    }
 }
 
 /// The one MLX90614 among `found`.
