@@ -2,12 +2,12 @@
 
 use log::LevelFilter;
 
-/// Starts logging at `level`; a terminal or pipe gets plain lines without time stamps of their own
+/// Starts logging at `level` for `program`; a terminal or pipe gets plain lines without time stamps of their own
 /// when it is the journal that reads them.
-pub fn start(level: LevelFilter) {
+pub fn start(program: &str, level: LevelFilter) {
     if systemd_journal_logger::connected_to_journal()
         && let Ok(journal) = systemd_journal_logger::JournalLog::new()
-        && journal.with_syslog_identifier("irhorizond".to_owned()).install().is_ok()
+        && journal.with_syslog_identifier(program.to_owned()).install().is_ok()
     {
         log::set_max_level(level);
         return;

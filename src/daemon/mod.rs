@@ -46,7 +46,7 @@ pub fn main() -> ExitCode {
             return if e.use_stderr() { ExitCode::from(EX_USAGE) } else { ExitCode::SUCCESS };
         }
     };
-    logging::start(cli.log_level.into());
+    logging::start("irhorizond", cli.log_level.into());
     let kept = Kept::new(&cli.config);
     let loaded = match kept.load() {
         Ok(loaded) => loaded,
