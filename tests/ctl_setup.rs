@@ -1,4 +1,4 @@
-//! set-address on a bus of fake chips, calibrate and wait-ready with a fake daemon, completions.
+//! set-address on a bus of fake chips, calibrate and wait-ready with a fake daemon, record without one, completions.
 
 #[path = "dbus_bus/mod.rs"]
 mod dbus_bus;
@@ -7,6 +7,7 @@ mod setup_kit;
 
 use dbus_bus::Bus;
 use irhorizon::head::SensorKind;
+use irhorizon::recording::Writer;
 use process::Folder;
 use rustix::process::Signal;
 use setup_kit::bus::{ADAPTER_HAS_PEC, Chip, WRITES, adc, cell, chips, mlx};
@@ -312,6 +313,72 @@ fn offsets_of_digital_sensors_are_measured_against_each_other() {
     RUNS_ON.set(one.clone().into());
     let (code, out, err) = ctl(&format!("--bus fake:still calibrate neutral --yes --config {one}"));
     assert!(code == 0 && out.contains("vert") && !out.contains("nose"), "{out} {err}");
+}
+
+#[test]
+fn a_recording_without_the_daemon_is_as_the_daemon_s() {
+    let folder = Folder::new();
+    let config = folder.write("irhorizon.toml", "[daemon]\nrate-hz = 100\n[simulation]\nenabled = true\n");
+    let loaded = irhorizon::config::load(&config).unwrap();
+    let header = Writer::new(&loaded.settings.head(), &loaded.text).header().to_owned();
+    let whole = |file: &Path| {
+        let text = fs::read_to_string(file).unwrap();
+        let rows = text.strip_prefix(&header).unwrap_or_else(|| panic!("{text}"));
+        assert!(
+            rows.ends_with('\n') && rows.lines().all(|row| row.ends_with(",,,,,,,,")),
+            "no aiding is heard: {rows}"
+        );
+        rows.lines().count()
+    };
+    let file = folder.path("flight.csv");
+    let line = format!("record {} --offline --seconds 0.5 --config {}", file.display(), config.display());
+    let (code, out, err) = ctl(&line);
+    assert_eq!((code, out.as_str()), (0, ""), "{err}");
+    let rows = whole(&file);
+    assert!(
+        (2..=51).contains(&rows) && err.ends_with(&format!("{rows} rows recorded to {}\n", file.display())),
+        "{err}"
+    );
+    assert!(err.starts_with("notice: the configuration says [simulation]"), "{err}");
+    assert_eq!(ctl(&format!("replay {} --output {}", file.display(), folder.path("out.csv").display())).0, 0);
+
+    let file = folder.path("until.csv");
+    let mut command = std::process::Command::new(process::CTL);
+    command.args(["record", "--offline", "--config"]).args([&config, &file]);
+    let mut recorder = process::Daemon::spawn(command, folder.path("recorder"));
+    recorder.says("Ctrl-C ends it");
+    std::thread::sleep(Duration::from_millis(200));
+    recorder.signal(Signal::INT);
+    assert!(recorder.ended().success(), "{}", recorder.said());
+    assert!(recorder.said().contains(&format!("{} rows recorded", whole(&file))), "{}", recorder.said());
+}
+
+#[test]
+fn where_the_sensors_cannot_be_read_nothing_is_recorded() {
+    let folder = Folder::new();
+    let config = folder.write("irhorizon.toml", pairs()).display().to_string();
+    let file = folder.path("flight.csv");
+    let refused = |exit: u8, line: &str, words: &str| {
+        let (code, out, err) = ctl(&format!("{line} {}", file.display()));
+        assert!(code == exit && out.is_empty() && err.contains(words), "{line}: {code} {out} {err}");
+        assert!(!file.exists(), "{line}");
+    };
+    let offline = format!("record --offline --config {config}");
+    refused(1, &format!("--bus fake:still {offline}"), "irhorizond reads long, lat, vert on /dev/i2c-1: stop it first");
+    PROCESS.set(Some(812));
+    refused(1, &offline, "pid 812");
+    PROCESS.set(None);
+    // Other addresses of the bus are claimed, too; one that can be read is enough.
+    chips(&[Chip { claimed: true, ..adc() }]);
+    refused(1, &offline, "irhorizonctl: long (ADS1115 at 0x48 on /dev/i2c-1): claimed by a kernel driver");
+    chips(&[adc()]);
+    folder.write("irhorizon.toml", pairs() + "[daemon]\nrate-hz = 200\n");
+    refused(1, &offline, "irhorizonctl validate: a scan of 3 sensors needs");
+    folder.write("irhorizon.toml", pairs().replace("/dev/i2c-1", "/dev/i2c-none"));
+    refused(1, &offline, "there is no /dev/i2c-none");
+    folder.write("irhorizon.toml", "[deamon]\n");
+    refused(1, &offline, "the configuration is not usable; correct it and see irhorizonctl validate:\n");
+    refused(64, &format!("record --config {config}"), "--offline");
 }
 
 #[test]

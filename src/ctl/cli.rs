@@ -66,7 +66,7 @@ pub enum Command {
     Calibrate(CalibrateArgs),
     /// Give the one MLX90614 on a bus another address
     SetAddress(SetAddressArgs),
-    /// Record the daemon's frames as CSV, until Ctrl-C
+    /// Record the daemon's frames, or the sensors' without it, as CSV, until Ctrl-C
     Record(RecordArgs),
     /// Run a recording through the daemon's own estimator
     Replay(ReplayArgs),
@@ -143,6 +143,12 @@ pub struct RecordArgs {
     /// Overwrite the file when it is there already
     #[arg(long)]
     pub force: bool,
+    /// Read the sensors without the daemon, which must not be reading them
+    #[arg(long)]
+    pub offline: bool,
+    /// The configuration that --offline goes by
+    #[arg(long, value_name = "FILE", default_value = DEFAULT_CONFIG, requires = "offline")]
+    pub config: PathBuf,
 }
 
 /// Arguments of `replay`.

@@ -30,7 +30,10 @@ pub enum CtlError {
     /// The daemon does not answer.
     #[error("{}", chain(&**.0))]
     NoDaemon(Cause),
-    /// The daemon refuses a stream of frames.
+    /// No sensor can be reached.
+    #[error("{0}")]
+    Unreachable(String),
+    /// There is no stream of frames: the daemon refuses it, or this system.
     #[error("{}", chain(&**.0))]
     NoFrames(Cause),
     /// A daemon reads the bus.

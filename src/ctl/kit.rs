@@ -8,6 +8,9 @@ use crate::bus::linux::LinuxBus;
 use crate::bus::{BusError, PecBus};
 use crate::config::settings::BusAddress;
 use crate::config::{self, Loaded, Settings};
+use crate::daemon::alone::Alone;
+use crate::daemon::logging;
+use crate::daemon::running::StartError;
 use crate::frame::Frame;
 use crate::head::Head;
 use crate::horizon::Horizon;
@@ -67,6 +70,8 @@ pub struct Kit {
     pub defaults: fn() -> Result<Settings, Cause>,
     /// Builds the pipeline.
     pub pipeline: fn(&Settings, &Head) -> Pipeline,
+    /// Samples without the daemon, as long as the loop is kept; gives its frames as the daemon does.
+    pub sample: fn(&Loaded) -> Result<(Alone, OwnedFd), StartError>,
     /// Reaches the chips themselves.
     pub open_bus: OpenBus,
     /// The process of a daemon that runs, whether it answers or not.
@@ -88,6 +93,11 @@ impl Kit {
         pipeline: |settings, head| {
             let mut horizon = Horizon::new(settings, head.clone());
             Box::new(move |frame, estimate| horizon.update(frame, &[], estimate))
+        },
+        sample: |loaded| {
+            // What is wrong with the sensors, it says in the log.
+            logging::start("irhorizonctl", log::LevelFilter::Warn);
+            Alone::start(loaded)
         },
         open_bus: |bus, address| Ok(Box::new(LinuxBus::open(bus, address)?)),
         daemon_process: || doctor::daemon_process(Path::new("/")),

@@ -1,4 +1,6 @@
-//! `record`: the daemon's frames into a file that always ends with a whole line.
+//! `record`: the daemon's frames, or those of the sensors without it, into a file that always ends with a whole line.
+
+mod offline;
 
 use super::cli::RecordArgs;
 use super::error::CtlError;
@@ -197,8 +199,13 @@ pub fn command(
     if !to_stdout && !args.force && path.exists() {
         return Err(CtlError::Exists { path });
     }
-    // No daemon, no empty file.
-    let frames = frames(&mut *(kit.connect)(bus)?)?;
+    // No frames, no empty file.
+    let (_sampling, frames) = if args.offline {
+        let (sampling, frames) = offline::start(&args.config, bus, kit, err)?;
+        (Some(sampling), frames)
+    } else {
+        (None, frames(&mut *(kit.connect)(bus)?)?)
+    };
     let limit = args.seconds.map(Duration::from_secs_f64);
     let (rows, result) = if to_stdout {
         record(&frames, &mut Plain(out), limit, stop)

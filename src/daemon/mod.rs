@@ -3,6 +3,7 @@
 //! - [`cli`], [`logging`]: how it is started, where it speaks;
 //! - [`running`]: the parts at work, and how a new configuration gets into them;
 //! - [`sampling`], [`ticker`], [`alignment`], [`fault_log`], [`watchdog`]: the sampling loop;
+//! - [`alone`]: that loop by itself, for `irhorizonctl record --offline`;
 //! - [`source`]: which source of frames a configuration asks for;
 //! - [`kept`]: settings changed in operation;
 //! - [`control`]: what D-Bus may ask of the daemon.
@@ -10,6 +11,7 @@
 //! Threads: `main` waits for signals, `sampling` makes frames, `mavlink` and `dbus` publish them.
 
 pub mod alignment;
+pub mod alone;
 pub mod cli;
 pub mod control;
 pub mod fault_log;

@@ -40,6 +40,8 @@ pub enum StartError {
     Dbus(DbusError),
     /// The system gave no thread.
     Thread(std::io::Error),
+    /// The system gave no socket.
+    Frames(std::io::Error),
 }
 
 impl StartError {
@@ -55,6 +57,7 @@ impl fmt::Display for StartError {
             Self::Configuration(text) => f.write_str(text),
             Self::Dbus(e) => e.fmt(f),
             Self::Thread(e) => write!(f, "cannot start a thread: {e}"),
+            Self::Frames(e) => write!(f, "cannot make a socket for frames: {e}"),
         }
     }
 }
@@ -203,7 +206,7 @@ impl Running {
     }
 }
 
-fn spawn(name: &str, body: impl FnOnce() + Send + 'static) -> Result<JoinHandle<()>, StartError> {
+pub(super) fn spawn(name: &str, body: impl FnOnce() + Send + 'static) -> Result<JoinHandle<()>, StartError> {
     // Small stacks: none of the loops is deep.
     thread::Builder::new().name(name.to_owned()).stack_size(512 * 1024).spawn(body).map_err(StartError::Thread)
 }

@@ -1,9 +1,11 @@
-//! doctor and set-address on a kernel's bus, without a daemon; a covered head calibrated with one.
+//! doctor, set-address and record --offline on a kernel's bus, without a daemon; a covered head calibrated with one.
 
 use crate::adapter::{Adapter, Chip};
 use crate::mlx::{ADDRESSES, NAMES, SixMlx, word};
 use crate::rig::{CTL, Daemon, Folder};
 use crate::sky::six_c;
+use irhorizon::frame::{self, Frame};
+use irhorizon::recording::Recording;
 use rustix::process::Signal;
 use serde_json::Value;
 use std::fs;
@@ -90,6 +92,38 @@ fn doctor_says_what_is_missing() {
     assert_eq!(bus.path, path);
     let silent = of(&findings(&bus), "answers");
     assert_eq!(silent.iter().filter(|(_, verdict)| verdict == "fail").count(), 5, "{silent:?}");
+}
+
+#[test]
+fn a_recording_without_the_daemon() {
+    let bus = Adapter::stub(&ADDRESSES);
+    let _six = SixMlx::new(&bus);
+    let mut daemon = Daemon::start(&SixMlx::config(&bus));
+    let config = daemon.folder.path("irhorizon.toml").display().to_string();
+    let file = daemon.folder.path("bench.csv");
+    let record = || ctl(&["record", &file.display().to_string(), "--offline", "--config", &config, "--seconds", "1"]);
+    let output = record();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(1) && said.contains(&format!("pid {}", daemon.pid())), "{said}");
+    assert!(!file.exists());
+    daemon.signal(Signal::TERM);
+    assert!(daemon.ended().success(), "{}", daemon.said());
+    let output = record();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    let mut frames = Recording::open(&file).unwrap().frames(None).unwrap();
+    let (mut row, mut rows) = (Frame::default(), 0);
+    while frames.next_frame(&mut row).unwrap() {
+        rows += 1;
+        for (reading, seen_c) in row.readings.iter().zip(six_c(0.0, 0.0)) {
+            let Ok(frame::Value::Absolute { object_c, ambient_c: Some(_) }) = reading.map(|s| s.value) else {
+                panic!("row {rows}: {:?}", row.readings)
+            };
+            assert!((object_c - seen_c).abs() < 0.011, "row {rows}: {object_c} of {seen_c}");
+        }
+    }
+    println!("{rows} rows");
+    assert!((10..=51).contains(&rows), "{rows} rows: {said}");
 }
 
 /// From the start on there is nothing to be seen: what is compared are the sensors, not the attitude.

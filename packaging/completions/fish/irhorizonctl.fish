@@ -36,7 +36,7 @@ complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "validate"
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "trim" -d 'Say the head\'s trim, with what was learnt in flight, as lines of configuration'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "calibrate" -d 'Measure what the head shows when level, or a pair when it sees no difference, and save it'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "set-address" -d 'Give the one MLX90614 on a bus another address'
-complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "record" -d 'Record the daemon\'s frames as CSV, until Ctrl-C'
+complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "record" -d 'Record the daemon\'s frames, or the sensors\' without it, as CSV, until Ctrl-C'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "replay" -d 'Run a recording through the daemon\'s own estimator'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "simulate" -d 'Make up a recording: a flight under a scene, with its true attitude'
 complete -c irhorizonctl -n "__fish_irhorizonctl_needs_command" -f -a "score" -d 'Score methods of estimation against a recording\'s reference'
@@ -85,8 +85,10 @@ complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand set-address" -
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand set-address" -l no-read-pec -d 'Do not check what is read: for a part that is known to send a wrong PEC'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand set-address" -s h -l help -d 'Print help'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand record" -l seconds -d 'End after this many seconds' -r
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand record" -l config -d 'The configuration that --offline goes by' -r -F
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand record" -l bus -d 'The D-Bus bus the daemon is on: system, session, or an address such as unix:path=/run/bus' -r
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand record" -l force -d 'Overwrite the file when it is there already'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand record" -l offline -d 'Read the sensors without the daemon, which must not be reading them'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand record" -s h -l help -d 'Print help'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand replay" -l config -d 'The configuration; the recording\'s own when not given, or else the six directions' -r -F
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand replay" -l output -d 'Where the estimates go; standard output when not given' -r -F
@@ -154,7 +156,7 @@ complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not 
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "trim" -d 'Say the head\'s trim, with what was learnt in flight, as lines of configuration'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "calibrate" -d 'Measure what the head shows when level, or a pair when it sees no difference, and save it'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "set-address" -d 'Give the one MLX90614 on a bus another address'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "record" -d 'Record the daemon\'s frames as CSV, until Ctrl-C'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "record" -d 'Record the daemon\'s frames, or the sensors\' without it, as CSV, until Ctrl-C'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "replay" -d 'Run a recording through the daemon\'s own estimator'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "simulate" -d 'Make up a recording: a flight under a scene, with its true attitude'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand help; and not __fish_seen_subcommand_from status watch sensors doctor wait-ready validate trim calibrate set-address record replay simulate score plot completions help" -f -a "score" -d 'Score methods of estimation against a recording\'s reference'
