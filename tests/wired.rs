@@ -92,13 +92,14 @@ fn a_head_wired_otherwise_is_told_and_doubted() {
     let orders = [(SIDES, [true, false]), (ENDS, [false, true]), (ABOUT, [true, true]), (QUARTER, [true, true])];
     let besides = [(Method::Field, Beside::Gyro(1.0)), (Method::Field, Beside::Gps), (Method::Profile, Beside::Gps)];
     for (method, beside) in besides {
-        for (order, angles) in orders {
+        // By GPS pitch alone is not told: the climb may be said upside down.
+        let told = |angles: [bool; 2]| angles[0] || matches!(beside, Beside::Gyro(_));
+        for (order, angles) in orders.into_iter().filter(|(_, angles)| told(*angles)) {
             let said = flown(method, "scattered", 1, order, beside);
             for (disagreed, expected) in said.disagreed.into_iter().zip(angles) {
                 assert!(if expected { disagreed > 30.0 } else { disagreed < 1.0 }, "{beside:?} {order:?}: {said:?}");
             }
-            // Little is climbed, and by GPS pitch is found late.
-            assert!(said.wrong < 6.0, "{beside:?} {order:?}: {said:?}");
+            assert!(said.wrong < 1.0, "{beside:?} {order:?}: {said:?}");
         }
     }
 }

@@ -36,7 +36,8 @@ impl Wired {
     /// Takes in what a method makes of a frame.
     pub fn update(&mut self, solution: &Solution, now: Time) {
         let by_references = solution.attitude.and_then(|is| self.ways.found(is));
-        let found = solution.wired.or(by_references);
+        // A gyro may sit otherwise than the head, and the head be right: what is flown knows which.
+        let found = if self.ways.hears() { by_references } else { solution.wired };
         let angles = found.map_or([false; 2], |otherwise| otherwise.angles);
         for (angle, there) in self.angles.iter_mut().zip(angles) {
             angle.update(there, now);

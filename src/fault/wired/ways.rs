@@ -81,6 +81,11 @@ impl Ways {
         std::array::from_fn(|way| self.left.iter().map(|left| left[way].sum()).sum())
     }
 
+    /// Whether anything has been compared.
+    pub fn hears(&self) -> bool {
+        self.flown.iter().any(|flown| flown.0[0] > 0.0)
+    }
+
     /// What is flown, σ².
     fn flown(&self) -> f64 {
         self.flown.iter().map(Squares::sum).sum()
@@ -89,9 +94,11 @@ impl Ways {
     fn judge(&mut self) {
         let lefts = self.left();
         let [as_configured, ..] = lefts;
-        let least = lefts.iter().skip(1).copied().fold(f64::INFINITY, f64::min);
+        // That pitch alone is the other way round may be an autopilot that says its climb upside down.
+        let others = || lefts.iter().zip(Wired::ALL).skip(1).filter(|(_, way)| way.angles()[0]);
+        let least = others().map(|(left, _)| *left).fold(f64::INFINITY, f64::min);
         // Of those that are about as good the one that changes least.
-        let best = lefts.iter().zip(Wired::ALL).skip(1).find(|(left, _)| **left <= least + AS_GOOD);
+        let best = others().find(|(left, _)| **left <= least + AS_GOOD);
         let Some((left, way)) = best else { return };
         let kept = self.found.filter(|_| *left < LEFT.1 * as_configured);
         let believed = as_configured - left > SMALLER && *left < LEFT.0 * as_configured.min(self.flown());
@@ -145,7 +152,12 @@ mod tests {
                 };
                 Wired::ALL.into_iter().find(is_shown).unwrap().attitude(is)
             };
-            let told = found(120, shown).unwrap_or_else(|| panic!("{way:?}"));
+            let told = found(120, shown);
+            if !way.angles()[0] {
+                assert_eq!(told, None, "the climb is upside down");
+                continue;
+            }
+            let told = told.unwrap_or_else(|| panic!("{way:?}"));
             assert_eq!(told.angles, way.angles(), "{way:?}");
             let back = way.attitude(shown(Attitude::from_degrees(20.0, 5.0)));
             assert!((back.roll.to_degrees() - 20.0).abs() < 1e-6 && told.left > 0.7, "{way:?}: {told:?}");
