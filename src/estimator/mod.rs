@@ -9,7 +9,7 @@
 //! - [`guard`]: where in doubt, to the safe side;
 //! - [`references`]: what GPS and airspeed say: the bank of a coordinated turn, the angle of climb, the heading;
 //! - [`wind`]: the wind, and how far the airspeed is off;
-//! - [`sides`]: which side is up; [`wired`]: the ways to wire a head;
+//! - [`sides`]: which side is up; [`wiring`]: the ways to wire a head;
 //! - [`range`]: the low-pass filter of the adaptive range;
 //! - [`suits`]: which heads each method works with;
 //! - [`whiteness`]: how much moves, learnt from innovations;
@@ -35,7 +35,7 @@ pub mod trim;
 pub mod vector;
 pub mod whiteness;
 pub mod wind;
-pub mod wired;
+pub mod wiring;
 
 pub use field::FieldEstimator;
 pub use inverse_sine::InverseSineEstimator;

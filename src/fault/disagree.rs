@@ -1,4 +1,4 @@
-//! Roll and pitch against the turn and the climb that are flown, and against the way in which a gyro turns.
+//! Roll and pitch against the turn and the climb that are flown, and whether the head is wired as it is configured.
 
 use super::debounce::Debounce;
 use super::wired::Wired;

@@ -6,7 +6,7 @@
 //! - [`inverted`]: ground and sky exchanged, `inverted-contrast`;
 //! - [`wet`]: `wet-sensor`; [`stuck`]: `sensor-stuck`;
 //! - [`obstructed`]: a scene that is no horizon, `obstructed`; [`disagree`]: `roll-disagrees`, `pitch-disagrees`;
-//! - [`wired`]: the same two, of a head that turns otherwise than a gyro;
+//! - [`wired`]: the same two, of a head that is wired otherwise than configured;
 //! - [`erratic`]: readings that jump as no scene does are none;
 //! - [`sensors`]: `sensor-lost`, `sensor-saturated`, `bus-down`, `stale`;
 //! - [`debounce`]: hysteresis in time.

@@ -15,7 +15,7 @@ use super::state::MAX_SENSORS;
 use crate::estimator::Standing;
 use crate::estimator::normal::Normal;
 use crate::estimator::vector::{Vector, add_scaled, cross, dot, length, product, rotation, unit};
-use crate::estimator::wired::Wired;
+use crate::estimator::wiring::Wiring;
 use crate::time::Time;
 
 /// Half of a stretch, s.
@@ -57,10 +57,10 @@ pub struct Turns {
     proven: bool,
     /// Since it turns otherwise: the same sum of what is seen to turn, and of what is left by each way to wire the head.
     since: (f64, [f64; WAYS]),
-    wired: Option<Wired>,
+    wired: Option<Wiring>,
 }
 
-const WAYS: usize = Wired::ALL.len();
+const WAYS: usize = Wiring::ALL.len();
 
 /// Where the sky is seen by a frame alone.
 #[derive(Clone, Debug)]
@@ -106,7 +106,7 @@ impl Stretch {
         add(&mut self.seen);
         turn(&mut self.turned, rates);
         if let Some(rates) = asked {
-            self.ways.iter_mut().zip(Wired::ALL).for_each(|(sums, wired)| turn(sums, wired.rates(rates)));
+            self.ways.iter_mut().zip(Wiring::ALL).for_each(|(sums, wired)| turn(sums, wired.rates(rates)));
         }
         self.rest[half].iter_mut().zip(&seen.rest_k).for_each(|(sum, rest)| *sum += rest);
         (self.last, self.count, self.lopsided) = (now, self.count + 1, self.lopsided.max(seen.lopsided));
@@ -180,7 +180,7 @@ impl Turns {
         *sum += seen - *sum / REMEMBERED;
         sums.iter_mut().zip(ways).for_each(|(sum, left)| *sum += left - *sum / REMEMBERED);
         let [as_configured, ..] = *sums;
-        let best = sums.iter().zip(Wired::ALL).skip(1).min_by(|a, b| a.0.total_cmp(b.0));
+        let best = sums.iter().zip(Wiring::ALL).skip(1).min_by(|a, b| a.0.total_cmp(b.0));
         if let Some((left, wired)) = best.filter(|_| *sum > ASKED) {
             // What was found explains less among clouds.
             let kept = self.wired.filter(|_| *left < LEFT.0 * *sum);
@@ -195,7 +195,7 @@ impl Turns {
 
     /// How the head would have to be wired for a gyro to be right that turns otherwise than is seen; `None` where no way
     /// explains that.
-    pub fn wired(&self) -> Option<Wired> {
+    pub fn wired(&self) -> Option<Wiring> {
         self.wired.filter(|_| self.contradict)
     }
 
@@ -310,7 +310,7 @@ mod tests {
     /// Rolls and pitches for a minute under a head that is wired otherwise.
     #[test]
     fn a_head_that_is_wired_otherwise_is_told_from_a_gyro_that_is_dead() {
-        let after_s = |wired: Option<Wired>| {
+        let after_s = |wired: Option<Wiring>| {
             let mut turns = Turns::default();
             let mut attitude = [0.0, 0.0, 30.0];
             (0..3000).map(|i| 0.02 * f64::from(i)).find(|t| {
@@ -324,18 +324,18 @@ mod tests {
                 turns.wired().is_some()
             })
         };
-        for wired in Wired::ALL.into_iter().skip(1) {
+        for wired in Wiring::ALL.into_iter().skip(1) {
             assert!(after_s(Some(wired)).is_some_and(|s| s < 30.0), "{wired:?}: {:?}", after_s(Some(wired)));
         }
         assert_eq!(after_s(None), None);
     }
 
     /// The way to wire a head that undoes `wired`.
-    fn inverse(wired: Wired) -> Wired {
-        let same = |w: &Wired| {
+    fn inverse(wired: Wiring) -> Wiring {
+        let same = |w: &Wiring| {
             [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].iter().all(|v| w.rates(wired.rates(*v)) == *v)
         };
-        Wired::ALL.into_iter().find(same).unwrap()
+        Wiring::ALL.into_iter().find(same).unwrap()
     }
 
     #[test]

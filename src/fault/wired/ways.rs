@@ -4,7 +4,7 @@ use crate::attitude::Attitude;
 use crate::estimator::Otherwise;
 use crate::estimator::references::{Angle, STEEPEST};
 use crate::estimator::vector::{Vector, add_scaled};
-use crate::estimator::wired::Wired;
+use crate::estimator::wiring::Wiring;
 
 /// What is compared is remembered for about so long, s: to roll and to pitch hardly more than once a minute is usual.
 const REMEMBERED_S: f64 = 120.0;
@@ -27,8 +27,8 @@ pub struct Ways {
     /// Of roll and of pitch, what is flown.
     flown: [Squares; 2],
     /// What each way leaves of it.
-    left: [[Squares; Wired::ALL.len()]; 2],
-    found: Option<Wired>,
+    left: [[Squares; Wiring::ALL.len()]; 2],
+    found: Option<Wiring>,
 }
 
 /// The sums over the time that is remembered of weights, weighted values and their weighted squares.
@@ -57,9 +57,9 @@ impl Ways {
             if let Some(reference) = reference {
                 let mean = Attitude::from_vertical(std::mem::take(sum));
                 self.compare(mean, angle, reference);
+                self.judge();
             }
         }
-        self.judge();
     }
 
     /// Takes in that `mean` was shown over the time of a reference of roll (0) or pitch (1).
@@ -70,14 +70,14 @@ impl Ways {
         let within = |a: f64| a.clamp(-STEEPEST, STEEPEST);
         let flown = within(flown);
         self.flown[angle].take(flown, weight, keep);
-        for (left, way) in self.left[angle].iter_mut().zip(Wired::ALL) {
+        for (left, way) in self.left[angle].iter_mut().zip(Wiring::ALL) {
             let Attitude { roll, pitch } = way.attitude(mean);
             left.take(within([roll, pitch][angle]) - flown, weight, keep);
         }
     }
 
     /// What each way leaves of what is flown, σ².
-    fn left(&self) -> [f64; Wired::ALL.len()] {
+    fn left(&self) -> [f64; Wiring::ALL.len()] {
         std::array::from_fn(|way| self.left.iter().map(|left| left[way].sum()).sum())
     }
 
@@ -95,7 +95,7 @@ impl Ways {
         let lefts = self.left();
         let [as_configured, ..] = lefts;
         // That pitch alone is the other way round may be an autopilot that says its climb upside down.
-        let others = || lefts.iter().zip(Wired::ALL).skip(1).filter(|(_, way)| way.angles()[0]);
+        let others = || lefts.iter().zip(Wiring::ALL).skip(1).filter(|(_, way)| way.angles()[0]);
         let least = others().map(|(left, _)| *left).fold(f64::INFINITY, f64::min);
         // Of those that are about as good the one that changes least.
         let best = others().find(|(left, _)| **left <= least + AS_GOOD);
@@ -143,14 +143,14 @@ mod tests {
 
     #[test]
     fn each_way_to_wire_a_head_is_found_and_a_right_one_is_let_be() {
-        for way in Wired::ALL.into_iter().skip(1) {
+        for way in Wiring::ALL.into_iter().skip(1) {
             // What it shows is what undoes it to the attitude.
             let shown = |is: Attitude| {
-                let is_shown = |w: &Wired| {
+                let is_shown = |w: &Wiring| {
                     let a = way.attitude(w.attitude(is));
                     (a.roll - is.roll).abs() < 1e-9 && (a.pitch - is.pitch).abs() < 1e-9
                 };
-                Wired::ALL.into_iter().find(is_shown).unwrap().attitude(is)
+                Wiring::ALL.into_iter().find(is_shown).unwrap().attitude(is)
             };
             let told = found(120, shown);
             if !way.angles()[0] {

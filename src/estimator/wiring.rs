@@ -5,14 +5,14 @@ use crate::estimator::vector::Vector;
 
 /// A head that shows nose and left, each or both, the other way round or in each other's place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wired {
+pub struct Wiring {
     /// Nose shows what left should.
     crossed: bool,
     /// Nose and left show what is on the other side.
     turned: [bool; 2],
 }
 
-impl Wired {
+impl Wiring {
     /// As it is configured, and all others, in the order of how much is changed.
     pub const ALL: [Self; 8] = [
         Self { crossed: false, turned: [false, false] },
@@ -25,10 +25,15 @@ impl Wired {
         Self { crossed: true, turned: [true, true] },
     ];
 
-    /// What such a head shows of `is` on nose, left, up.
+    /// 1 or −1: what nose and left are multiplied by.
+    fn signs(self) -> [f64; 2] {
+        self.turned.map(|turned| if turned { -1.0 } else { 1.0 })
+    }
+
+    /// What such a head shows of `[nose, left, up]`.
     fn shown(self, [nose, left, up]: Vector) -> Vector {
+        let [by_nose, by_left] = self.signs();
         let [nose, left] = if self.crossed { [left, nose] } else { [nose, left] };
-        let [by_nose, by_left] = self.turned.map(|t| if t { -1.0 } else { 1.0 });
         [by_nose * nose, by_left * left, up]
     }
 
@@ -47,7 +52,7 @@ impl Wired {
     /// The attitude in which it shows `attitude`.
     pub fn attitude(self, attitude: Attitude) -> Attitude {
         let [nose, left, up] = attitude.vertical();
-        let [by_nose, by_left] = self.turned.map(|t| if t { -1.0 } else { 1.0 });
+        let [by_nose, by_left] = self.signs();
         let [nose, left] = [by_nose * nose, by_left * left];
         let [nose, left] = if self.crossed { [left, nose] } else { [nose, left] };
         Attitude::from_vertical([nose, left, up])
@@ -63,7 +68,7 @@ mod tests {
     #[test]
     fn what_is_shown_turns_by_the_rates_that_are_shown() {
         let turn = [0.02, -0.03, 0.05];
-        for wired in Wired::ALL {
+        for wired in Wiring::ALL {
             let before = Attitude::from_degrees(20.0, -10.0).vertical();
             let after = product(&rotation(turn.map(|t| -t)), before);
             let seen = product(&rotation(wired.rates(turn).map(|t| -t)), wired.shown(before));
@@ -74,7 +79,7 @@ mod tests {
             let back = wired.attitude(seen);
             assert!((back.roll.to_degrees() - 20.0).abs() < 1e-9 && (back.pitch.to_degrees() + 10.0).abs() < 1e-9);
         }
-        let mirrored = Wired::ALL[1];
+        let mirrored = Wiring::ALL[1];
         assert_eq!(mirrored.rates([1.0, 2.0, 3.0]), [-1.0, 2.0, -3.0], "left and right: roll and yaw");
         assert_eq!(cross(mirrored.shown([1.0, 0.0, 0.0]), mirrored.shown([0.0, 1.0, 0.0])), [0.0, 0.0, -1.0]);
     }
