@@ -16,7 +16,8 @@
 //! - `form`: sensors that see in another form than said; `averaging`: how much they average in radiance; `calibration`:
 //!   how far they are off; `expected`: states of which more is expected later;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `turns`: whether they turn as
-//!   is seen; `askew`: a gyro whose axes are not the head's; `rest`: whether what is seen moves;
+//!   is seen; `carried`: where they turn what was given before; `askew`: a gyro whose axes are not the head's; `rest`: whether
+//!   what is seen moves;
 //! - `aid`: the slow references; `reference_noise`: how much these are off;
 //! - `unheard`: what a sensor left out might have been right about; `misjudged`: whether it is the wrong one;
 //!   `alone`: what one tells whose opposite is not heard;
@@ -30,6 +31,7 @@ mod averaging;
 mod begin;
 mod beneath;
 mod calibration;
+mod carried;
 mod change;
 mod correct;
 mod directions;
@@ -79,6 +81,7 @@ use alone::Alone;
 use around::Around;
 use begin::paces;
 use beneath::Beneath;
+use carried::Carried;
 use change::SceneChange;
 use correct::Misfit;
 use form::Form;
@@ -134,6 +137,7 @@ pub struct FieldEstimator {
     blind: bool,
     undecided_since: Option<Time>,
     gyro: Gyro,
+    carried: Carried,
     turns: Turns,
     aid: Aid,
     /// Body rates about the nose, and across it.
@@ -213,6 +217,7 @@ impl FieldEstimator {
             ambient_c: [None; MAX_SENSORS],
             stuck: [Stuck::default(); MAX_SENSORS],
             gyro: Gyro::default(),
+            carried: Carried::default(),
             turns: Turns::default(),
             aid: Aid::default(),
             rates,
@@ -322,6 +327,7 @@ impl Estimator for FieldEstimator {
         if self.gyro.update(&frame.aiding, now, dt_s, self.turns.contradict()) {
             self.set_rates();
         }
+        self.carry_on(dt_s);
         self.sides.carry(self.turning().filter(|_| dt_s < GAP_S).map(|rates| rates.map(|r| r * dt_s)));
         // What one sensor does must not be taken for the attitude, or for the gyro.
         let hidden = self.gyro.in_use().then(|| self.hidden(self.scene.seen_k()));
@@ -342,7 +348,7 @@ impl Estimator for FieldEstimator {
             } else {
                 self.last = None;
             }
-            return if begun { self.solution() } else { Solution::default() };
+            return if begun { self.said() } else { Solution::default() };
         }
         let enough = self.lately(&readings, now).iter().flatten().count() >= self.needed().1;
         let (_, full) = self.last.unwrap_or((now, now));
@@ -362,7 +368,7 @@ impl Estimator for FieldEstimator {
             self.last = None;
             return Solution::default();
         }
-        if now.since(full) > carried_s { Solution::default() } else { self.solution() }
+        if now.since(full) > carried_s { Solution::default() } else { self.said() }
     }
 }
 

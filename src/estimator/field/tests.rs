@@ -1,5 +1,7 @@
 //! A flight under a sky of the family; what spoils it; the parts that learn.
 
+use super::predict::scene;
+use super::start::Start;
 use super::state::{DEPTH, RATE, SEEN, VIEW};
 use super::*;
 use crate::attitude::Attitude;
@@ -289,4 +291,28 @@ fn clouds_that_have_been_there_for_long_are_forgotten_sooner_in_a_turn() {
     };
     let (new, old) = (kept(0.0), kept(1.0));
     assert!(0.6 < old && old < 0.93 * new && new < 0.99, "{new} {old}");
+}
+
+/// Whatever made it begin anew, there is where the gyro has not turned.
+#[test]
+fn begun_anew_where_its_gyro_has_not_turned_sigma_holds_how_far_that_is() {
+    let scenario = Scenario::named("clear-dry").unwrap().lasting(60.0);
+    let (mut source, head) = (scenario.source(5), scenario.head());
+    let mut e = FieldEstimator::new(&head, scenario.field(), Tuning::default());
+    let mut frame = Frame::new(head.sensors.len());
+    let mut frame_at = |i: u32| {
+        let now = Time::from_secs_f64(100.0 + 0.02 * f64::from(i));
+        source.scan(now, &mut frame);
+        frame.aiding = Aiding { gyro_deg_s: frame.aiding.gyro_deg_s, ..Aiding::default() };
+        (frame.clone(), now)
+    };
+    let before = (0..1500).map(|i| e.update(&frame_at(i).0)).last().unwrap();
+    let mut elsewhere = e.state.clone();
+    elsewhere.rotate([1.0, 0.0, 0.0]);
+    let (frame, now) = frame_at(1500);
+    let (readings, _) = e.readings(&frame);
+    e.begin_with(&Start { axes: elsewhere.axes, scene: scene(&e.state), misfit_k2: 0.0 }, &readings, now);
+    let after = e.update(&frame_at(1501).0);
+    let [before, after] = [before, after].map(|s| s.sigma.roll.max(s.sigma.pitch).to_degrees());
+    assert!(before < 1.0 && after > 20.0, "{before} {after}");
 }
