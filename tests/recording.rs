@@ -97,8 +97,56 @@ fn every_bad_row_costs_itself_alone() {
 #[test]
 fn a_leap_that_goes_on_is_believed() {
     let (times, reader) = rows("1,1,2\n90000,1,2\n90000.02,1,2\n90000.04,1,2\n");
-    assert_eq!(times, [1.0, 90000.02, 90000.04]);
-    assert_eq!(reader.tally().count(RowFault::Ahead), 1);
+    assert_eq!(times, [1.0, 90000.0, 90000.02, 90000.04]);
+    assert_eq!(reader.tally().count(RowFault::Ahead), 0);
+}
+
+#[test]
+fn one_row_far_ahead_costs_itself_alone_wherever_it_stands() {
+    let rows_of = |wrong: usize, at: f64| -> String {
+        let time = |i: usize| if i == wrong { at } else { 10.0 + 0.02 * i as f64 };
+        (0..50).map(|i| format!("{:.2},1,2\n", time(i))).collect()
+    };
+    for at in [11.5, 70.0, 3000.0, 1e6] {
+        for wrong in [0, 1, 25, 48] {
+            let (times, reader) = rows(&rows_of(wrong, at));
+            assert_eq!(times.len(), 49, "row {wrong} at {at} s: {}", reader.tally());
+            assert!(times.iter().all(|t| *t < 11.0));
+            assert_eq!((reader.tally().unusable(), reader.tally().count(RowFault::Ahead)), (1, 1));
+        }
+    }
+    // The last is alone where nothing comes after it for an hour.
+    assert_eq!(rows(&rows_of(49, 1e6)).0.len(), 49);
+    assert_eq!(rows(&rows_of(49, 70.0)).0.len(), 50);
+}
+
+#[test]
+fn a_clock_that_was_set_back_costs_a_second_and_times_go_on_rising() {
+    let body: String = (0..100)
+        .map(|i| if i < 50 { 5e4 } else { 10.0 } + 0.1 * f64::from(i))
+        .fold(String::new(), |text, t| text + &format!("{t:.1},1,2\n"));
+    let (times, reader) = rows(&body);
+    assert_eq!(times.len(), 90, "{}", reader.tally());
+    assert!(times.windows(2).all(|t| t[1] > t[0]));
+    assert!((times[50] - times[49] - 10.0).abs() < 1e-6 && (times[51] - times[50] - 0.1).abs() < 1e-6);
+    assert_eq!(reader.tally().count(RowFault::Backwards), 10);
+    assert!(reader.tally().to_string().contains("the clock was set back (line 62): "), "{}", reader.tally());
+}
+
+#[test]
+fn rows_that_come_late_are_left_out_and_set_no_clock_back() {
+    // Half a second, three seconds late; two clocks mixed.
+    let late = |from: usize, to: usize| {
+        let mut order: Vec<usize> = (0..500).collect();
+        order[from..to].rotate_left(10);
+        order.iter().map(|i| format!("{:.2},1,2\n", 10.0 + 0.02 * *i as f64)).collect::<String>()
+    };
+    let mixed: String = (0..200).map(|i| format!("{:.2},1,2\n{:.2},1,2\n", 90.0 + 0.02 * f64::from(i), 10.0)).collect();
+    for (body, kept) in [(late(100, 135), 490), (late(100, 260), 490), (mixed, 200)] {
+        let (times, reader) = rows(&body);
+        assert!(times.len() >= kept - 1 && times.windows(2).all(|t| t[1] > t[0]), "{}", reader.tally());
+        assert!(!reader.tally().to_string().contains("clock"), "{}", reader.tally());
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! - `number`: decimal numbers to and from text, fast and without allocation.
 //! - `lines`: lines of bounded length.
 //! - `open`: a recording up to its header; `error`: why it cannot be read.
-//! - `reader`: frames out of it; `tally`: what could not be used of it.
+//! - `reader`: frames out of it; `order`: which rows are taken, by their times; `tally`: what could not be used of it.
 //! - `estimates`: what `replay` writes, read again.
 //! - `writer`: frames into one.
 //! - `tap`: frames as they come, for whoever records them.
@@ -15,6 +15,7 @@ pub mod format;
 mod lines;
 mod number;
 mod open;
+mod order;
 mod reader;
 mod tally;
 mod tap;

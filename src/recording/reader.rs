@@ -4,6 +4,7 @@ use super::error::ReadError;
 use super::format::{self, AIDING, Column, REFERENCE};
 use super::lines::{Line, Lines, cells};
 use super::number::{parse, parse_nanos};
+use super::order::{Order, Verdict};
 use super::tally::{RowFault, Tally};
 use crate::frame::{Frame, Missing, Sample, Value};
 use crate::head::{Head, SensorKind};
@@ -17,8 +18,6 @@ const TEMPERATURES_C: RangeInclusive<f64> = -273.15..=1000.0;
 const VOLTS: RangeInclusive<f64> = -100.0..=100.0;
 /// Everything else.
 const OTHERS: RangeInclusive<f64> = -1e7..=1e7;
-/// A step forward that the next row must bear out, ns: an hour.
-const LEAP_NANOS: u64 = 3_600_000_000_000;
 /// A step between rows that is odd, ns.
 const WIDE_NANOS: u64 = 10_000_000_000;
 
@@ -46,12 +45,25 @@ pub struct Reader<R> {
     objects: Vec<Result<f64, Missing>>,
     ambients: Vec<Option<f64>>,
     aiding: [Option<f64>; AIDING.len()],
+    /// The reference of the row taken apart last; of the frame given last.
+    row_reference: Reference,
     reference: Reference,
-    /// The time of the last frame, ns.
+    order: Order,
+    /// A row that waits for the next, by which it is judged.
+    held: Option<Held>,
+    /// The time of the row taken apart last, where that is still to be judged, ns.
+    unjudged: Option<u64>,
+    /// The time given last, ns.
     last: Option<u64>,
-    /// A time far ahead that the next row may bear out, ns.
-    suspect: Option<u64>,
     tally: Tally,
+}
+
+/// A row that waits.
+#[derive(Debug)]
+struct Held {
+    frame: Frame,
+    reference: Reference,
+    line: u64,
 }
 
 impl<R: BufRead> Reader<R> {
@@ -74,9 +86,12 @@ impl<R: BufRead> Reader<R> {
             objects: vec![Err(Missing::Empty); sensors],
             ambients: vec![None; sensors],
             aiding: [None; AIDING.len()],
+            row_reference: Reference::default(),
             reference: Reference::default(),
+            order: Order::default(),
+            held: None,
+            unjudged: None,
             last: None,
-            suspect: None,
             tally: Tally::default(),
         }
     }
@@ -109,6 +124,49 @@ impl<R: BufRead> Reader<R> {
     /// Reads the next usable row into `frame`; `false` at the end of the recording.
     pub fn next_frame(&mut self, frame: &mut Frame) -> Result<bool, ReadError> {
         loop {
+            let read = match self.unjudged.take() {
+                None => self.read()?,
+                some => some,
+            };
+            if let Some((verdict, held)) = self.order.settle(read).zip(self.held.take()) {
+                match verdict {
+                    Verdict::Take(nanos) | Verdict::Anew(nanos) => {
+                        self.unjudged = read;
+                        *frame = held.frame;
+                        self.give(nanos, held.reference, frame);
+                        return Ok(true);
+                    }
+                    Verdict::Wait => self.held = Some(held),
+                    Verdict::Drop(fault) => self.tally.add(fault, held.line),
+                }
+            }
+            let Some(time) = read else { return Ok(false) };
+            let verdict = self.order.row(time);
+            let line = self.lines.number;
+            match verdict {
+                Verdict::Take(nanos) | Verdict::Anew(nanos) => {
+                    if matches!(verdict, Verdict::Anew(_)) {
+                        self.tally.set_back(line);
+                        // What waited was of the clock before.
+                        self.held.take().into_iter().for_each(|held| self.tally.add(RowFault::Ahead, held.line));
+                    }
+                    self.fill(frame);
+                    self.give(nanos, self.row_reference, frame);
+                    return Ok(true);
+                }
+                Verdict::Wait => {
+                    let mut frame = Frame::default();
+                    self.fill(&mut frame);
+                    self.held = Some(Held { frame, reference: self.row_reference, line });
+                }
+                Verdict::Drop(fault) => self.tally.add(fault, line),
+            }
+        }
+    }
+
+    /// Takes the next row apart that has what it needs; gives its time, `None` at the end.
+    fn read(&mut self) -> Result<Option<u64>, ReadError> {
+        loop {
             let ended = match self.lines.advance() {
                 Ok(ended) => ended,
                 Err(source) => {
@@ -116,7 +174,7 @@ impl<R: BufRead> Reader<R> {
                 }
             };
             if ended == Line::End {
-                return Ok(false);
+                return Ok(None);
             }
             let line = self.lines.line();
             if ended != Line::TooLong && (line.trim_ascii().is_empty() || line.starts_with(b"#")) {
@@ -124,10 +182,7 @@ impl<R: BufRead> Reader<R> {
             }
             self.tally.rows += 1;
             match self.row(ended) {
-                Ok(nanos) => {
-                    self.fill(nanos, frame);
-                    return Ok(true);
-                }
+                Ok(nanos) => return Ok(Some(nanos)),
                 Err(fault) => self.tally.add(fault, self.lines.number),
             }
         }
@@ -184,35 +239,16 @@ impl<R: BufRead> Reader<R> {
             return Err(RowFault::Truncated);
         }
         let time = time.ok_or(if negative { RowFault::Negative } else { RowFault::NoTime })?;
-        self.order(time)?;
         self.tally.cells += bad_cells;
         let [roll_deg, pitch_deg, yaw_deg] = reference;
-        self.reference = Reference { roll_deg, pitch_deg, yaw_deg };
+        self.row_reference = Reference { roll_deg, pitch_deg, yaw_deg };
         self.aiding = aiding;
         Ok(time)
     }
 
-    /// Whether a row of this time comes after the one before.
-    fn order(&mut self, time: u64) -> Result<(), RowFault> {
-        if let Some(last) = self.last {
-            if time <= last {
-                return Err(RowFault::Backwards);
-            }
-            let follows = |earlier: u64| time > earlier && time - earlier <= LEAP_NANOS;
-            if !follows(last) && !self.suspect.is_some_and(follows) {
-                self.suspect = Some(time);
-                return Err(RowFault::Ahead);
-            }
-            self.tally.wide += u64::from(time - last > WIDE_NANOS);
-        }
-        self.last = Some(time);
-        self.suspect = None;
-        Ok(())
-    }
-
-    fn fill(&self, nanos: u64, frame: &mut Frame) {
-        let time = Time::from_nanos(nanos);
-        frame.time = time;
+    /// Copies the row taken apart last into `frame`, but for its time.
+    fn fill(&self, frame: &mut Frame) {
+        let time = Time::default();
         frame.aiding = format::to_aiding(self.aiding);
         frame.readings.clear();
         frame.readings.extend(self.objects.iter().zip(&self.ambients).zip(&self.head.sensors).map(
@@ -226,5 +262,14 @@ impl<R: BufRead> Reader<R> {
                 })
             },
         ));
+    }
+
+    /// Puts its time into a frame that is given.
+    fn give(&mut self, nanos: u64, reference: Reference, frame: &mut Frame) {
+        frame.time = Time::from_nanos(nanos);
+        frame.readings.iter_mut().flatten().for_each(|sample| sample.time = frame.time);
+        self.reference = reference;
+        let last = self.last.replace(nanos).unwrap_or(nanos);
+        self.tally.wide += u64::from(nanos - last > WIDE_NANOS);
     }
 }

@@ -11,7 +11,7 @@ pub enum RowFault {
     Negative,
     /// Its time is not after the row's before.
     Backwards,
-    /// Its time lies more than an hour ahead, and the next row's does not bear it out.
+    /// Its time lies ahead, and the next row's does not bear it out.
     Ahead,
     /// It has more or fewer cells than the header.
     Ragged,
@@ -42,6 +42,8 @@ pub struct Tally {
     pub cells: u64,
     /// Rows that gave a frame more than 10 s after the one before.
     pub wide: u64,
+    /// How often the clock was set back, and the line from which that was first believed.
+    set_back: (u64, u64),
     faults: [(u64, u64); RowFault::ALL.len()],
 }
 
@@ -68,6 +70,14 @@ impl Tally {
         2 * odd > self.rows
     }
 
+    pub(super) fn set_back(&mut self, line: u64) {
+        let (count, first) = &mut self.set_back;
+        if *count == 0 {
+            *first = line;
+        }
+        *count += 1;
+    }
+
     pub(super) fn add(&mut self, fault: RowFault, line: u64) {
         let (count, first) = &mut self.faults[fault as usize];
         if *count == 0 {
@@ -92,9 +102,15 @@ impl fmt::Display for Tally {
             write!(f, "{}line {first})", if count > 1 { "first at " } else { "" })?;
         }
         match self.cells {
-            0 => Ok(()),
-            1 => write!(f, "; 1 cell held no usable number"),
-            n => write!(f, "; {n} cells held no usable number"),
+            0 => {}
+            1 => write!(f, "; 1 cell held no usable number")?,
+            n => write!(f, "; {n} cells held no usable number")?,
+        }
+        let begins = "the attitude begins anew there, with times that go on rising";
+        match self.set_back {
+            (0, _) => Ok(()),
+            (1, line) => write!(f, "; the clock was set back (line {line}): {begins}"),
+            (n, line) => write!(f, "; the clock was set back {n} times (first at line {line}): {begins}"),
         }
     }
 }
