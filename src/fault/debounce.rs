@@ -2,6 +2,10 @@
 
 use super::{ActiveFault, Evidence, FaultKind};
 use crate::time::Time;
+use std::time::Duration;
+
+/// What was not looked at was not seen to last: more than so much between two looks, s, counts for so much.
+const UNSEEN_S: (f64, f64) = (3.0, 0.5);
 
 /// Where a condition stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,12 +27,14 @@ pub struct Debounce {
     /// Since when the condition has been other than `active` says.
     changing_since: Option<Time>,
     active_since: Time,
+    looked: Option<Time>,
 }
 
 impl Debounce {
     /// Believed after `on_after_s` seconds, over after `off_after_s` seconds.
     pub fn new(on_after_s: f64, off_after_s: f64) -> Self {
-        Self { on_after_s, off_after_s, active: false, changing_since: None, active_since: Time::default() }
+        let active_since = Time::default();
+        Self { on_after_s, off_after_s, active: false, changing_since: None, active_since, looked: None }
     }
 
     /// Other times, from now on.
@@ -38,6 +44,11 @@ impl Debounce {
 
     /// Takes in at `now` whether the condition is there; gives where it stands.
     pub fn update(&mut self, present: bool, now: Time) -> State {
+        let between_s = self.looked.replace(now).map_or(0.0, |looked| now.since(looked));
+        if between_s > UNSEEN_S.0 {
+            let unseen = Duration::from_secs_f64(between_s - UNSEEN_S.1);
+            self.changing_since = self.changing_since.map(|since| since + unseen);
+        }
         if present == self.active {
             self.changing_since = None;
         } else {
@@ -51,6 +62,11 @@ impl Debounce {
             }
         }
         self.state()
+    }
+
+    /// Nothing can be seen of the condition for now: it stands where it stood, and a change must last anew.
+    pub fn rest(&mut self) {
+        self.changing_since = None;
     }
 
     /// Where the condition stands.
@@ -97,6 +113,32 @@ mod tests {
         assert_eq!(d.update(true, at(1.3)), State::Active, "seen again: the wait begins anew");
         assert_eq!(d.update(false, at(1.5)), State::Active);
         assert_eq!(d.update(false, at(2.5)), State::Clear);
+    }
+
+    #[test]
+    fn what_was_not_looked_at_has_not_lasted() {
+        let at = |s: f64| Time::from_secs_f64(10.0 + s);
+        for gap_s in [10.0, 600.0, 36_000.0] {
+            let mut d = Debounce::new(2.0, 3.0);
+            assert_eq!(d.update(true, at(0.0)), State::Suspected);
+            assert_eq!(d.update(true, at(gap_s)), State::Suspected);
+            assert_eq!(d.update(true, at(gap_s + 1.4)), State::Suspected);
+            assert_eq!(d.update(true, at(gap_s + 1.5)), State::Active);
+            assert_eq!(d.update(false, at(gap_s + 2.0)), State::Active);
+            assert_eq!(d.update(false, at(2.0 * gap_s + 2.0)), State::Active);
+            assert_eq!(d.update(false, at(2.0 * gap_s + 4.4)), State::Active);
+            assert_eq!(d.update(false, at(2.0 * gap_s + 4.5)), State::Clear);
+        }
+        // Rows that come every five seconds are enough of them in the end.
+        let mut d = Debounce::new(1.0, 3.0);
+        let states = [0.0, 5.0, 10.0].map(|s| d.update(true, at(s)));
+        assert_eq!(states, [State::Suspected, State::Suspected, State::Active]);
+        // A rest leaves what is believed, and no more.
+        d.update(false, at(10.1));
+        d.rest();
+        assert_eq!(d.update(false, at(13.0)), State::Active);
+        assert_eq!(d.update(false, at(15.9)), State::Active);
+        assert_eq!(d.update(false, at(16.0)), State::Clear);
     }
 
     #[test]

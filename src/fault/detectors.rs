@@ -61,6 +61,8 @@ impl Detectors {
         // A scene of next to no contrast is no scene.
         if low == State::Clear {
             self.obstructed.update(solution, frame.time);
+        } else {
+            self.obstructed.rest();
         }
         self.disagree.hear(solution, frame.time);
         self.stuck.update(frame, &solution.sensors);

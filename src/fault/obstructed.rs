@@ -37,6 +37,11 @@ impl Obstructed {
         self.obstructed.update(hidden > limit, now);
     }
 
+    /// Nothing can be seen of it for now: what it was before says nothing of after.
+    pub fn rest(&mut self) {
+        self.obstructed.rest();
+    }
+
     /// Whether it is.
     pub fn is_active(&self) -> bool {
         self.obstructed.is_active()

@@ -114,3 +114,31 @@ proptest! {
         }
     }
 }
+
+/// What was hidden before the contrast went says nothing of after, neither that something is nor that nothing is.
+#[test]
+fn a_wall_seen_for_a_moment_before_the_fog_is_not_told_at_the_first_sight_after_it() {
+    use super::super::kit::{at, frame, seen};
+    let mut detectors = Detectors::new(&Settings::default().faults, &Head::six());
+    let mut time_s = 10.0;
+    let mut fly = |detectors: &mut Detectors, seconds: f64, contrast_k: f64, hidden_deg: f64| {
+        for _ in 0..(50.0 * seconds).round() as u32 {
+            time_s += 0.02;
+            let solution = Solution { hidden: Some(hidden_deg.to_radians()), ..seen(contrast_k) };
+            detectors.update(&frame(time_s, &[3.0; 6], None), &solution, &[]);
+        }
+        let mut faults = Vec::new();
+        detectors.report(&mut faults);
+        faults.iter().find(|f| f.kind == FaultKind::Obstructed).map(|f| at(time_s).since(f.since))
+    };
+    assert_eq!(fly(&mut detectors, 5.0, 30.0, 0.0), None);
+    assert_eq!(fly(&mut detectors, 0.1, 30.0, 20.0), None);
+    assert_eq!(fly(&mut detectors, 60.0, 0.0, 20.0), None);
+    assert_eq!(fly(&mut detectors, 1.2, 30.0, 20.0), None, "the contrast has just come back");
+    assert!(fly(&mut detectors, 2.0, 30.0, 20.0).is_some_and(|s| s < 3.0));
+    // And the other way round.
+    assert!(fly(&mut detectors, 0.1, 30.0, 0.0).is_some());
+    assert!(fly(&mut detectors, 60.0, 0.0, 0.0).is_some());
+    assert!(fly(&mut detectors, 2.0, 30.0, 0.0).is_some());
+    assert!(fly(&mut detectors, 3.0, 30.0, 0.0).is_none());
+}
