@@ -24,6 +24,10 @@ impl FieldEstimator {
         if self.last.is_some_and(|(last, _)| restart(last)) {
             (self.last, self.stamps) = (None, [None; MAX_SENSORS]);
         }
+        // What comes late says nothing of now.
+        if self.last.is_some_and(|(last, _)| frame.sample_time().is_some_and(|now| now < last)) {
+            return ([None; MAX_SENSORS], None);
+        }
         let mut newest = None;
         let mut readings: [Option<f64>; MAX_SENSORS] = std::array::from_fn(|i| {
             let (value, time) = self.model.reading(i, frame)?;

@@ -41,6 +41,31 @@ fn sensors_that_take_turns_are_heard() {
     assert!(off > 0.0 && off < 0.6, "{off}°");
 }
 
+/// One of them a tenth of a second late, while the others go on: not a bit of the attitude is another for it.
+#[test]
+fn a_reading_that_comes_late_is_left_out_and_nothing_begins_anew() {
+    let scenario = Scenario::named("clear-dry").unwrap();
+    let mut source = scenario.source(5);
+    let new = || FieldEstimator::new(&scenario.head(), scenario.field(), Tuning::default());
+    let (mut without, mut with) = (new(), new());
+    let (mut frame, mut late) = (Frame::new(6), Frame::new(6));
+    for i in 0..1500 {
+        source.scan(Time::from_secs_f64(100.0 + 0.02 * f64::from(i)), &mut frame);
+        if i % 50 == 20 {
+            late.readings[5] = frame.readings[5];
+        }
+        if (20..=25).contains(&(i % 50)) {
+            frame.readings[5] = Err(Missing::NotReady);
+        }
+        let expected = without.update(&frame).attitude;
+        assert_eq!(with.update(&frame).attitude, expected, "frame {i}");
+        if i % 50 == 25 {
+            late.time = frame.time;
+            assert_eq!(with.update(&late).attitude, None);
+        }
+    }
+}
+
 /// What they did from one to the next is the mean of both.
 #[test]
 fn body_rates_may_come_more_seldom_than_readings() {
