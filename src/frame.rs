@@ -61,6 +61,8 @@ pub enum Missing {
     Claimed,
     /// The adapter is absent or went away.
     BusGone,
+    /// Another program of this project holds the bus.
+    BusInUse,
     /// The device file may not be opened (EACCES, EPERM).
     Denied,
     /// The chip is being power-cycled.
@@ -70,7 +72,7 @@ pub enum Missing {
 }
 
 impl Missing {
-    const ALL: [Self; 14] = [
+    const ALL: [Self; 15] = [
         Self::NotYet,
         Self::NoAnswer,
         Self::BadPec,
@@ -82,6 +84,7 @@ impl Missing {
         Self::BusError,
         Self::Claimed,
         Self::BusGone,
+        Self::BusInUse,
         Self::Denied,
         Self::PoweredOff,
         Self::Empty,
@@ -106,6 +109,7 @@ impl Missing {
             Self::BusError => "bus error",
             Self::Claimed => "claimed by a kernel driver",
             Self::BusGone => "bus gone",
+            Self::BusInUse => "bus in use",
             Self::Denied => "permission denied",
             Self::PoweredOff => "being power-cycled",
             Self::Empty => "no reading",

@@ -17,6 +17,8 @@ pub enum BusError {
     Claimed,
     /// The adapter is not there, or went away.
     Gone,
+    /// Another program of this project holds the bus.
+    InUse,
     /// The device file may not be opened (EACCES, EPERM).
     Denied,
     /// Anything else, with its errno (0 when there is none).
@@ -32,6 +34,7 @@ impl BusError {
             Self::Held => Missing::BusHeld,
             Self::Claimed => Missing::Claimed,
             Self::Gone => Missing::BusGone,
+            Self::InUse => Missing::BusInUse,
             Self::Denied => Missing::Denied,
             Self::Other(_) => Missing::BusError,
         }

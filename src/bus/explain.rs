@@ -128,6 +128,9 @@ pub fn explain(place: &Place, error: BusError, facts: &Facts) -> String {
                  config.txt (raspi-config), then sudo modprobe i2c-dev"
             )
         }
+        BusError::InUse => format!(
+            "{place}: another irhorizond or irhorizonctl is at {bus}; find it with: pgrep -a irhorizon, and end it"
+        ),
         BusError::Denied => denied(place, facts),
         BusError::Other(95) => format!(
             "{place}: the adapter of {bus} cannot transfer SMBus words; use another adapter, or the i2c-gpio overlay"
@@ -160,6 +163,7 @@ pub fn explain_missing(place: &Place, missing: Missing, facts: &Facts) -> String
         Missing::BusHeld => BusError::Held,
         Missing::Claimed => BusError::Claimed,
         Missing::BusGone => BusError::Gone,
+        Missing::BusInUse => BusError::InUse,
         Missing::Denied => BusError::Denied,
         Missing::BusError => BusError::Other(0),
         Missing::ErrorFlag => return format!("{place}: its error bit is set; power-cycle it, then replace it"),
@@ -263,6 +267,7 @@ mod tests {
             Missing::BusError,
             Missing::Claimed,
             Missing::BusGone,
+            Missing::BusInUse,
             Missing::Denied,
             Missing::PoweredOff,
         ] {

@@ -2,6 +2,7 @@
 //! adapter serves, `i2c-stub` included.
 
 use super::adapter::{Functions, prepare};
+use super::hold::Hold;
 use super::{BusError, PecBus, WordBus};
 use crate::source::Integrity;
 use i2cdev::core::I2CDevice;
@@ -20,19 +21,20 @@ pub struct LinuxBus {
     device: LinuxI2CDevice,
     path: PathBuf,
     functions: Functions,
+    _hold: Hold,
 }
 
 impl LinuxBus {
     /// Opens `bus` (`/dev/i2c-N`) for the chip at `address`, without PEC. Fails with
-    /// [`BusError::Claimed`] when a kernel driver holds the address and with
-    /// [`BusError::Other`]`(EOPNOTSUPP)` when the adapter transfers no SMBus words.
+    /// [`BusError::Claimed`] when a kernel driver holds the address, with [`BusError::InUse`] when another program has
+    /// opened the bus so, and with [`BusError::Other`]`(EOPNOTSUPP)` when the adapter transfers no SMBus words.
     pub fn open(bus: &Path, address: u8) -> Result<Self, BusError> {
         let functions = Self::functions_of(bus)?;
         let device = LinuxI2CDevice::new(bus, u16::from(address)).map_err(|e| opening(errno(&e)))?;
         if !functions.words() {
             return Err(BusError::Other(Errno::OPNOTSUPP.raw_os_error()));
         }
-        Ok(Self { device, path: bus.to_owned(), functions })
+        Ok(Self { device, path: bus.to_owned(), functions, _hold: Hold::take(bus)? })
     }
 
     /// What the adapter can do.

@@ -2,6 +2,7 @@
 //!
 //! - `error`: what can go wrong with a transfer.
 //! - [`linux`]: words through `/dev/i2c-N`; `adapter`: what the adapter behind it can do.
+//! - `hold`: one program at a time on a bus.
 //! - [`generic`]: words over any `embedded-hal` I²C, with [`pec`] in software.
 //! - [`explain`]: an error in words, with the user's next step.
 //!
@@ -11,6 +12,7 @@ mod adapter;
 mod error;
 pub mod explain;
 pub mod generic;
+mod hold;
 pub mod linux;
 pub mod pec;
 
@@ -112,7 +114,9 @@ impl Counters {
             Missing::ErrorFlag => &mut self.error_flag,
             Missing::Saturated | Missing::Impossible => &mut self.out_of_range,
             Missing::NotReady => &mut self.not_ready,
-            Missing::BusError | Missing::Claimed | Missing::BusGone | Missing::Denied => &mut self.other,
+            Missing::BusError | Missing::Claimed | Missing::BusGone | Missing::BusInUse | Missing::Denied => {
+                &mut self.other
+            }
             Missing::NotYet | Missing::PoweredOff | Missing::Empty => return,
         };
         *counter += 1;

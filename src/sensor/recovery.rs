@@ -219,7 +219,7 @@ impl BusWatch {
                 false
             }
             // Nothing went over the wires.
-            Err(why @ (Missing::Denied | Missing::BusGone | Missing::Claimed)) => {
+            Err(why @ (Missing::Denied | Missing::BusGone | Missing::BusInUse | Missing::Claimed)) => {
                 self.shut = Some(why).filter(|w| *w != Missing::Claimed);
                 self.pass(member, members);
                 false

@@ -38,8 +38,8 @@ pub struct Outage {
     pub from_s: f64,
     /// The first scan with it again.
     pub to_s: f64,
-    /// Why there is nothing. [`Missing::BusGone`], [`Missing::BusHeld`] and [`Missing::Denied`] take
-    /// the sensor's bus down in what the source says of its buses.
+    /// Why there is nothing. [`Missing::BusGone`], [`Missing::BusHeld`], [`Missing::BusInUse`] and [`Missing::Denied`]
+    /// take the sensor's bus down in what the source says of its buses.
     pub reason: Missing,
 }
 

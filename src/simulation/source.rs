@@ -233,7 +233,8 @@ impl FrameSource for SimulatedSource {
                         _ => &mut health.counters.other,
                     };
                     *counter += 1;
-                    if let (Missing::BusGone | Missing::BusHeld | Missing::Denied, Some(bus)) = (reason, self.bus_of[i])
+                    if let (Missing::BusGone | Missing::BusHeld | Missing::BusInUse | Missing::Denied, Some(bus)) =
+                        (reason, self.bus_of[i])
                         && let Some(down) = self.buses_down.get_mut(bus)
                     {
                         *down = Some(reason);

@@ -35,18 +35,18 @@ fn word(c: f64) -> u16 {
 }
 
 /// Gives the six sensors what they measure and their factory's settings.
-fn fill(bus: &str) {
+fn fill(bus: &Adapter) {
     for (address, object_c) in ADDRESSES.into_iter().zip(OBJECT_C) {
-        let mut chip = LinuxBus::open(Path::new(bus), address as u8).unwrap();
+        let mut chip = bus.chip(address);
         for (register, value) in [(0x06, word(25.0)), (0x07, word(object_c)), (0x24, 0xffff), (0x25, 0x9fb4)] {
-            chip.write_word(register, value).unwrap();
+            chip.write(register, value);
         }
     }
 }
 
 fn adapter() -> Adapter {
     let bus = Adapter::fault(&ADDRESSES);
-    fill(&bus.path);
+    fill(&bus);
     bus
 }
 
@@ -183,7 +183,7 @@ fn an_adapter_that_goes_and_comes_back() {
         assert!(status.success());
         wait_for("the node", || Path::new(&bus.path).exists().then_some(()));
         let end = Watch::start();
-        fill(&bus.path);
+        fill(&bus);
         let over = logged(&daemon, end, &format!("{down} is over"), round);
         eye.until("all is well again", well);
         println!("{down} (gone, round {round}): told after {seen}, over {over} after the node was back");

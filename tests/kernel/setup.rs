@@ -108,6 +108,12 @@ fn a_recording_without_the_daemon() {
     assert!(!file.exists());
     daemon.signal(Signal::TERM);
     assert!(daemon.ended().success(), "{}", daemon.said());
+    // As a second one of these programs would.
+    let held = fs::OpenOptions::new().write(true).open(&bus.path).unwrap();
+    held.try_lock().unwrap();
+    let said = String::from_utf8(record().stderr).unwrap();
+    assert!(said.contains(&format!("another irhorizond or irhorizonctl is at {}", bus.path)), "{said}");
+    drop(held);
     let output = record();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{said}");

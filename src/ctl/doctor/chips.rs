@@ -47,8 +47,14 @@ fn answers(seen: &Seen) -> Option<Finding> {
             let (evidence, next) = explained(seen, why);
             let evidence = match why {
                 // These are the whole bus's, and alike for all on it.
-                Missing::BusGone | Missing::BusHeld | Missing::Denied if evidence.contains(&s.bus) => evidence,
-                Missing::BusGone | Missing::BusHeld | Missing::Denied => format!("{evidence}: {}", s.bus),
+                Missing::BusGone | Missing::BusHeld | Missing::BusInUse | Missing::Denied
+                    if evidence.contains(&s.bus) =>
+                {
+                    evidence
+                }
+                Missing::BusGone | Missing::BusHeld | Missing::BusInUse | Missing::Denied => {
+                    format!("{evidence}: {}", s.bus)
+                }
                 _ => format!("{evidence} at {at}"),
             };
             C.fail(&s.name, evidence, next)

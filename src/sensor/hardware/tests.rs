@@ -326,8 +326,12 @@ fn a_held_bus_costs_little_and_stops_no_other() {
 }
 
 #[test]
-fn claimed_and_denied_are_tried_four_times_a_second() {
-    for (error, down) in [(BusError::Claimed, None), (BusError::Denied, Some(Missing::Denied))] {
+fn claimed_denied_and_in_use_are_tried_four_times_a_second() {
+    for (error, down) in [
+        (BusError::Claimed, None),
+        (BusError::Denied, Some(Missing::Denied)),
+        (BusError::InUse, Some(Missing::BusInUse)),
+    ] {
         let mut rig = rig(&[0], false);
         rig.chips[0].set(|l| l.opening = Some(error));
         rig.scans(250); // 5 s

@@ -34,7 +34,9 @@ fn a_silent_chip_is_tried_at_every_scan_and_prepared_before_it_is_believed() {
 
 #[test]
 fn what_will_not_open_is_tried_four_times_a_second() {
-    for error in [BusError::Claimed, BusError::Denied, BusError::Gone, BusError::Other(5), BusError::Pec] {
+    for error in
+        [BusError::Claimed, BusError::Denied, BusError::Gone, BusError::InUse, BusError::Other(5), BusError::Pec]
+    {
         let mut link = Link::default();
         let mut tries = 0;
         for ms in (0..10_000).step_by(20) {
