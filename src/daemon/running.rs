@@ -142,6 +142,7 @@ impl Running {
             Err(errors) => Err(errors.to_string()),
         };
         // Also where it is refused: what MAVLink has ordered does not hold then.
+        self.mavlink.settle();
         self.shared.update(|s| s.generation += 1);
         match &outcome {
             Ok(()) => log::info!("configuration reloaded"),

@@ -124,7 +124,9 @@ impl Work {
             (self.look(now, &newest), newest.stopping, newest.generation)
         };
         if self.generation != Some(generation) {
-            let old = self.station.configure(switchboard.settings());
+            // In this order: what is settled meanwhile is in the settings, too.
+            let settled = switchboard.settled();
+            let old = self.station.configure(switchboard.settings(), settled);
             self.links = link::all(now, sent.after, self.station.settings(), std::mem::take(&mut self.links));
             self.links.iter_mut().for_each(|l| l.configured(now, &old, self.station.settings()));
             let silent = self.station.silent().unwrap_or_default();

@@ -17,8 +17,11 @@ use std::sync::Arc;
 /// The daemon on the network, at all endpoints.
 pub struct Station {
     settings: Arc<Settings>,
-    /// The settings with what was ordered and is not taken up yet.
+    /// What was ordered and is not settled yet, and the settings with it.
+    pending: Vec<Change>,
     ordered: Option<Settings>,
+    /// How many changes were settled since start.
+    settled: usize,
     head: Arc<Head>,
     listener: Listener,
     signer: Option<Signer>,
@@ -33,13 +36,16 @@ impl Station {
             listener: Listener::new(&settings.mavlink, settings.rate_hz, inbox),
             signer: Signer::wanted(&settings.mavlink),
             changes: Vec::new(),
+            pending: Vec::new(),
             ordered: None,
+            settled: 0,
             settings,
         }
     }
 
-    /// Takes up a new configuration; gives the one before.
-    pub fn configure(&mut self, settings: Arc<Settings>) -> Arc<Settings> {
+    /// Takes up a new configuration, with the first `settled` of all changes that were ordered since start; gives the one
+    /// before.
+    pub fn configure(&mut self, settings: Arc<Settings>, settled: usize) -> Arc<Settings> {
         // A key that was of no use may have been mended when the configuration is read again.
         let useless = self.silent().is_some() && !Arc::ptr_eq(&settings, &self.settings);
         if useless || settings.mavlink.signing_key != self.settings.mavlink.signing_key {
@@ -48,7 +54,10 @@ impl Station {
         }
         self.head = Arc::new(settings.head());
         self.listener.configure(&settings.mavlink, settings.rate_hz);
-        self.ordered = None;
+        // What was ordered while this was read comes next.
+        self.pending.drain(..settled.saturating_sub(self.settled).min(self.pending.len()));
+        self.settled = settled;
+        self.ordered = apply(&settings, &self.pending).ok().filter(|_| !self.pending.is_empty());
         std::mem::replace(&mut self.settings, settings)
     }
 
@@ -163,6 +172,7 @@ impl Station {
             if let Ok(ordered) = apply(self.wanted(), &changes) {
                 self.ordered = Some(ordered);
             }
+            self.pending.extend_from_slice(&changes);
             self.changes.extend(changes);
         }
     }
@@ -201,7 +211,10 @@ mod tests {
         ] {
             assert_eq!(ask(&mut station, what), (vec![value], ordered.to_owned()), "{what:?}");
         }
-        station.configure(settings);
+        // The first of them was taken up, and the file says otherwise; the last was ordered meanwhile.
+        station.configure(Arc::clone(&settings), 2);
+        assert_eq!(ask(&mut station, read).0, [7.0]);
+        station.configure(settings, 3);
         assert_eq!(ask(&mut station, read).0, [0.0]);
     }
 }

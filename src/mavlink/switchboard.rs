@@ -8,12 +8,23 @@ use crate::ctl::view;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// The changes of settings that were asked for.
+#[derive(Default)]
+struct Changes {
+    /// Not taken yet.
+    waiting: Vec<Change>,
+    /// How many were taken since start.
+    taken: usize,
+    /// How many of them were judged since start: they hold now, or never will.
+    settled: usize,
+}
+
 /// What the thread is told, and what it tells.
 pub struct Switchboard {
     settings: Mutex<Arc<Settings>>,
     endpoints: Mutex<Vec<Arc<EndpointStats>>>,
     inbox: Arc<Inbox>,
-    changes: Mutex<Vec<Change>>,
+    changes: Mutex<Changes>,
     wake: Box<dyn Fn() + Send + Sync>,
 }
 
@@ -58,7 +69,21 @@ impl Switchboard {
 
     /// The changes of settings that were asked for, in their order, to be kept and taken up.
     pub fn take_changes(&self) -> Vec<Change> {
-        std::mem::take(&mut *lock(&self.changes))
+        let mut changes = lock(&self.changes);
+        let taken = std::mem::take(&mut changes.waiting);
+        changes.taken += taken.len();
+        taken
+    }
+
+    /// The changes taken until here are in force by [`configure`](Self::configure), or refused: call this between that and
+    /// the change of the generation.
+    pub fn settle(&self) {
+        let mut changes = lock(&self.changes);
+        changes.settled = changes.taken;
+    }
+
+    pub(super) fn settled(&self) -> usize {
+        lock(&self.changes).settled
     }
 
     pub(super) fn settings(&self) -> Arc<Settings> {
@@ -75,7 +100,7 @@ impl Switchboard {
 
     pub(super) fn change(&self, changes: &mut Vec<Change>) {
         if !changes.is_empty() {
-            lock(&self.changes).append(changes);
+            lock(&self.changes).waiting.append(changes);
             (self.wake)();
         }
     }
