@@ -10,6 +10,7 @@ pub use alarm::Alarm;
 use crate::aiding::Autopilot;
 use crate::attitude::{Attitude, Estimate, Mode};
 use crate::frame::Frame;
+use crate::head::Head;
 use crate::source::SensorHealth;
 use crate::time::Time;
 use rustix::event::{EventfdFlags, eventfd};
@@ -53,6 +54,8 @@ pub struct Snapshot {
     pub sequence: u64,
     /// When this was written, on the same clock as every stamp.
     pub written: Time,
+    /// The sensors that it speaks of; another head after a reload, from its first frame on.
+    pub head: Arc<Head>,
     /// The estimate.
     pub estimate: Estimate,
     /// The frame it came from.

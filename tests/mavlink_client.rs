@@ -19,6 +19,7 @@ use std::io::{BufRead, BufReader};
 use std::net::UdpSocket;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -59,6 +60,7 @@ fn hear(
     let mavlink = MavlinkSettings { system_id: Some(3), endpoints: vec![endpoint], ..Settings::default().mavlink };
     let switchboard = Switchboard::sending(Settings { mavlink, ..Settings::default() });
     let publisher = Publisher::new(&switchboard);
+    let head = Arc::new(Settings::default().head());
     let done = AtomicBool::new(false);
     let (output, stamps, span) = std::thread::scope(|scope| {
         scope.spawn(|| publisher.run(&shared, &switchboard));
@@ -75,6 +77,7 @@ fn hear(
                 shared.update(|s| {
                     s.sequence = i;
                     s.written = now;
+                    s.head = Arc::clone(&head);
                     s.estimate.time = tick;
                     s.estimate.valid_at = s.estimate.time;
                     estimate(i, &mut s.estimate);

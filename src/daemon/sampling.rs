@@ -29,7 +29,7 @@ pub type Retune = Arc<Mutex<Option<Box<Settings>>>>;
 pub struct Sampling {
     source: Box<dyn FrameSource>,
     horizon: Horizon,
-    head: Head,
+    head: Arc<Head>,
     shared: Arc<Shared>,
     taps: Arc<Taps>,
     writer: Writer,
@@ -72,7 +72,7 @@ impl Sampling {
             lag_s: None,
             source,
             horizon,
-            head,
+            head: Arc::new(head),
             shared,
             taps,
             lamp,
@@ -141,6 +141,9 @@ impl Sampling {
         self.shared.put(|s| {
             s.sequence += 1;
             s.written = self.frame.time;
+            if !Arc::ptr_eq(&s.head, &self.head) {
+                s.head = Arc::clone(&self.head);
+            }
             s.estimate.clone_from(shown);
             s.autopilot = autopilot;
             s.frame.clone_from(&self.frame);
@@ -157,17 +160,17 @@ impl Sampling {
         }
         self.log.update(&self.estimate.faults, self.frame.time, |line| match line {
             Line::Came { fault, unsaid: 0 } => {
-                log::warn!("{}: {}", fault.kind.display(&self.head), fault.evidence);
+                log::warn!("{}: {}", fault.kind.display(&*self.head), fault.evidence);
             }
             Line::Came { fault, unsaid } => {
-                let name = fault.kind.display(&self.head);
+                let name = fault.kind.display(&*self.head);
                 log::warn!("{name}: {}; came and went {unsaid} times more", fault.evidence);
             }
             Line::Went { kind, after_s, unsaid: 0 } => {
-                log::info!("{} is over after {after_s:.1} s", kind.display(&self.head));
+                log::info!("{} is over after {after_s:.1} s", kind.display(&*self.head));
             }
             Line::Went { kind, after_s, unsaid } => {
-                let name = kind.display(&self.head);
+                let name = kind.display(&*self.head);
                 log::info!("{name} is over after {after_s:.1} s; came and went {unsaid} times more");
             }
         });

@@ -151,7 +151,7 @@ impl Horizon {
     #[zbus(property)]
     pub fn faults(&self) -> Vec<String> {
         let live = lock(&self.live);
-        live.snapshot.estimate.faults.iter().map(|f| f.kind.display(&live.info.head).to_string()).collect()
+        live.snapshot.estimate.faults.iter().map(|f| f.kind.display(&*live.snapshot.head).to_string()).collect()
     }
 
     /// The active faults: name, since when (microseconds of CLOCK_BOOTTIME), evidence.
@@ -159,7 +159,7 @@ impl Horizon {
     pub fn fault_details(&self) -> Vec<(String, u64, String)> {
         let live = lock(&self.live);
         let one = |f: &crate::fault::ActiveFault| {
-            (f.kind.display(&live.info.head).to_string(), f.since.as_micros(), f.evidence.to_string())
+            (f.kind.display(&*live.snapshot.head).to_string(), f.since.as_micros(), f.evidence.to_string())
         };
         live.snapshot.estimate.faults.iter().map(one).collect()
     }

@@ -11,7 +11,7 @@ use std::time::Duration;
 /// What the service says beside the frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ServiceInfo {
-    /// The head, whose names the faults carry.
+    /// The head.
     pub head: Head,
     /// The sensors, in the head's order.
     pub sensors: Vec<SensorInfo>,

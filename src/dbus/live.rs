@@ -29,6 +29,12 @@ impl Live {
         Self { snapshot: Snapshot::default(), info, overdue: false, since: now }
     }
 
+    /// Whether the newest frame is of the sensors that are told of: not between a reload and its first frame.
+    pub fn is_of_these_sensors(&self) -> bool {
+        let (told, measured) = (&self.info.head.sensors, &self.snapshot.head.sensors);
+        told.iter().map(|s| &s.name).eq(measured.iter().map(|s| &s.name))
+    }
+
     /// Takes in `newest` when it is a later frame; withdraws the attitude when at `now` even the
     /// newest is too old. A sampling loop that hangs cannot say so itself.
     pub fn look(&mut self, newest: &Snapshot, now: Time) {
@@ -79,6 +85,20 @@ mod tests {
             };
             assert_eq!(look(100.1), (Mode::Starting, vec![]), "frame {sequence}");
             assert_eq!(look(110.0), (Mode::Faulted, vec![(FaultKind::Stale, at(100.54))]), "frame {sequence}");
+        }
+    }
+
+    #[test]
+    fn what_other_sensors_measured_is_not_told_of_these() {
+        let settings = Settings::default();
+        let mut live = Live::new(Arc::new(ServiceInfo::new(&settings, String::new())), Time::default());
+        let mut head = settings.head();
+        for same in [true, false] {
+            let newest =
+                Snapshot { sequence: live.snapshot.sequence + 1, head: Arc::new(head.clone()), ..Snapshot::default() };
+            live.look(&newest, Time::default());
+            assert_eq!(live.is_of_these_sensors(), same);
+            head.sensors.reverse();
         }
     }
 }

@@ -18,7 +18,9 @@ impl Sensor {
     }
 
     fn health<T: Default>(&self, pick: impl FnOnce(&SensorHealth) -> T) -> T {
-        lock(&self.live).snapshot.health.get(self.index).map(pick).unwrap_or_default()
+        let live = lock(&self.live);
+        let health = live.snapshot.health.get(self.index).filter(|_| live.is_of_these_sensors());
+        health.map(pick).unwrap_or_default()
     }
 
     fn reading(&self) -> Result<Reading, &'static str> {
@@ -26,7 +28,8 @@ impl Sensor {
         if live.overdue {
             return Err("stale");
         }
-        live.snapshot.frame.readings.get(self.index).copied().ok_or("not read yet")
+        let reading = live.snapshot.frame.readings.get(self.index).filter(|_| live.is_of_these_sensors());
+        reading.copied().ok_or("not read yet")
     }
 
     fn value(&self, pick: impl FnOnce(Value) -> Option<f64>) -> f64 {
@@ -114,7 +117,9 @@ impl Sensor {
     /// What it shows beyond what attitude and sky explain, kelvin.
     #[zbus(property(emits_changed_signal = "false"))]
     fn residual_c(&self) -> f64 {
-        lock(&self.live).snapshot.estimate.residuals_k.get(self.index).copied().flatten().unwrap_or(f64::NAN)
+        let live = lock(&self.live);
+        let residual = live.snapshot.estimate.residuals_k.get(self.index).filter(|_| live.is_of_these_sensors());
+        residual.copied().flatten().unwrap_or(f64::NAN)
     }
 
     /// When it was measured, microseconds of CLOCK_BOOTTIME; 0 without a measurement.

@@ -12,6 +12,7 @@ use super::session::{Seen, Session};
 use super::station::Station;
 use crate::config::Settings;
 use crate::config::settings::{EndpointAddress, EndpointSettings};
+use crate::head::Head;
 use crate::time::Time;
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,6 +29,8 @@ pub struct Link {
     pub endpoint: Endpoint,
     encoder: Encoder,
     session: Session,
+    /// The sensors that it was last told of.
+    head: Arc<Head>,
     service: Service,
     answers: Replies,
     outgoing: Queue,
@@ -48,6 +51,7 @@ pub fn all(now: Time, sequence: u64, settings: &Settings, mut old: Vec<Link>) ->
                 endpoint,
                 encoder: Encoder::new(1, settings.mavlink.component_id),
                 session: Session::new(now, sequence, &e.streams),
+                head: Arc::default(),
                 service: Service::default(),
                 answers: Replies::default(),
                 outgoing: Queue::default(),
@@ -89,11 +93,16 @@ impl Link {
 
     /// Sends what is due.
     pub fn step(&mut self, now: Time, index: usize, seen: &Seen, station: &mut Station) {
-        let Self { endpoint, encoder, session, .. } = self;
-        let (listening, head) = (endpoint.listening(), station.head());
-        session.step(now, seen, &*head, listening, |message| {
-            endpoint.send(now, station.encode(encoder, message, index));
-        });
+        let Self { endpoint, encoder, session, head, .. } = self;
+        let listening = endpoint.listening();
+        let mut send = |message: &Message| endpoint.send(now, station.encode(encoder, message, index));
+        if !Arc::ptr_eq(head, &seen.head) {
+            if **head != *seen.head {
+                session.forget(&**head, &mut send);
+            }
+            *head = Arc::clone(&seen.head);
+        }
+        session.step(now, seen, &*seen.head, listening, send);
     }
 
     /// Sends the attitude of a frame that was passed over.
@@ -104,7 +113,7 @@ impl Link {
 
     /// Takes in what has come, and answers.
     pub fn receive(&mut self, now: Time, index: usize, seen: &Seen, station: &mut Station) {
-        let Self { endpoint, encoder, session, service, answers, outgoing, turns } = self;
+        let Self { endpoint, encoder, session, service, answers, outgoing, turns, .. } = self;
         turns.take(now);
         let mut dropped = 0;
         endpoint.receive(now, |packet: &Packet<'_>| {

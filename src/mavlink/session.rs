@@ -289,6 +289,16 @@ impl Session {
         }
     }
 
+    /// There are other sensors from now on: what is told of those before, which `names` names, is over.
+    pub fn forget(&mut self, names: &dyn FaultName, mut send: impl FnMut(&Message)) {
+        for kind in self.told.drain(..) {
+            if self.texts < TEXTS_PER_S {
+                self.texts += 1;
+                send(&messages::fault_went(kind, names));
+            }
+        }
+    }
+
     /// The last message of all: a heartbeat that says the component is going down.
     pub fn farewell() -> Message {
         messages::heartbeat(MavState::MAV_STATE_POWEROFF)

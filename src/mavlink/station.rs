@@ -10,7 +10,6 @@ use super::session::{Seen, Session};
 use super::signer::Signer;
 use crate::aiding::Inbox;
 use crate::config::Settings;
-use crate::head::Head;
 use crate::time::Time;
 use std::sync::Arc;
 
@@ -22,7 +21,6 @@ pub struct Station {
     ordered: Option<Settings>,
     /// How many changes were settled since start.
     settled: usize,
-    head: Arc<Head>,
     listener: Listener,
     signer: Option<Signer>,
     changes: Vec<Change>,
@@ -32,7 +30,6 @@ impl Station {
     /// With the first configuration; what is heard of the autopilot goes to `inbox`.
     pub fn new(settings: Arc<Settings>, inbox: Arc<Inbox>) -> Self {
         Self {
-            head: Arc::new(settings.head()),
             listener: Listener::new(&settings.mavlink, settings.rate_hz, inbox),
             signer: Signer::wanted(&settings.mavlink),
             changes: Vec::new(),
@@ -52,7 +49,6 @@ impl Station {
             self.finish();
             self.signer = Signer::wanted(&settings.mavlink);
         }
-        self.head = Arc::new(settings.head());
         self.listener.configure(&settings.mavlink, settings.rate_hz);
         // What was ordered while this was read comes next.
         self.pending.drain(..settled.saturating_sub(self.settled).min(self.pending.len()));
@@ -69,11 +65,6 @@ impl Station {
     /// The configuration in force.
     pub fn settings(&self) -> &Settings {
         &self.settings
-    }
-
-    /// Who names what faults speak of.
-    pub fn head(&self) -> Arc<Head> {
-        Arc::clone(&self.head)
     }
 
     /// The autopilot's yaw, rad, where it is wanted and was heard lately.

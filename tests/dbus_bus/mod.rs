@@ -261,6 +261,7 @@ impl Daemon {
             // Has the service ask for the information again once it has taken this frame in.
             s.generation += 1;
             s.written = clock::now();
+            s.head = Arc::new(info().head);
             s.frame.readings.resize(3, Err(frame::Missing::NotYet));
             s.health.resize(3, Default::default());
             change(s);

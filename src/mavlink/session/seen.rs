@@ -2,7 +2,9 @@
 
 use crate::attitude::Attitude;
 use crate::fault::ActiveFault;
+use crate::head::Head;
 use crate::state::{Moment, Snapshot};
+use std::sync::Arc;
 
 /// What is told, copied out of the shared state: a few words and the list of faults.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,6 +13,8 @@ pub struct Seen {
     pub moment: Moment,
     /// The contrast, K.
     pub contrast_k: Option<f64>,
+    /// Who names what faults speak of.
+    pub head: Arc<Head>,
     /// What speaks against it.
     pub faults: Vec<ActiveFault>,
     /// What was learnt of the trim beyond the configured one, rad.
@@ -26,6 +30,7 @@ impl Seen {
         self.moment = snapshot.moment();
         self.contrast_k = estimate.contrast_k;
         self.trim = estimate.trim;
+        self.head = Arc::clone(&snapshot.head);
         self.faults.clone_from(&estimate.faults);
     }
 }

@@ -288,6 +288,25 @@ fn whoever_begins_to_listen_is_told_what_is_wrong() {
 }
 
 #[test]
+fn faults_of_another_head_are_told_by_its_names() {
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
+    let (old, mut new) = (Head::six(), Head::six());
+    new.sensors.reverse();
+    let lost = Seen { faults: vec![lost(0)], ..frame(1, 0.0) };
+    let mut sent = Vec::new();
+    session.step(at(0.0), &lost, &old, true, |m| sent.push(m.clone()));
+    session.forget(&old, |m| sent.push(m.clone()));
+    session.step(at(0.1), &lost, &new, true, |m| sent.push(m.clone()));
+    let said: Vec<String> = texts(&sent).into_iter().map(|(_, text)| text).collect();
+    let [first, last] = [&old, &new].map(|head| head.sensors[0].name.as_str());
+    assert!(said.len() == 3 && first != last, "{said:?}");
+    assert!(
+        said[0].contains(first) && said[1].contains(&format!("{first} cleared")) && said[2].contains(last),
+        "{said:?}"
+    );
+}
+
+#[test]
 fn a_storm_of_faults_is_told_slowly_and_ends_with_the_truth() {
     let mut session = Session::new(at(0.0), 0, &Streams::default());
     let mut sent = Vec::new();
