@@ -33,6 +33,17 @@ fn a_method_named_twice_is_scored_once() {
 }
 
 #[test]
+fn each_score_has_a_name_of_its_own() {
+    let same = OTHER.replace("other=", "inverse-sine=");
+    for (beside, said) in [([OTHER, OTHER], "other"), ([OTHER, &same], "inverse-sine")] {
+        let [first, second] = beside;
+        let args = ["score", FLIGHT, "--method", "inverse-sine", "--beside", first, "--beside", second];
+        let (code, _, err) = run(&args);
+        assert!(code == 64 && err.contains(&format!("two are called {said}: give each --beside")), "{code} {err}");
+    }
+}
+
+#[test]
 fn a_name_and_a_file_beside_control_no_terminal() {
     let (code, out, _) = run(&["score", FLIGHT, "--beside", &OTHER.replace("other=", "\u{1b}[2J=")]);
     assert!(code == 0 && out.contains("\u{fffd}[2J ") && !out.contains('\u{1b}'), "{out:?}");

@@ -119,6 +119,9 @@ pub enum CtlError {
         /// The times of its first and last row, s.
         times_s: Option<(f64, f64)>,
     },
+    /// Two of what is scored have one name.
+    #[error("two are called {0}: give each --beside a name of its own, and none a method's that is scored")]
+    SameName(String),
     /// Estimates of another flight.
     #[error("no row of {path} has the time of a row of {recording}; is it of the same flight?")]
     OtherFlight {
@@ -190,7 +193,7 @@ impl CtlError {
     pub fn code(&self) -> u8 {
         match self {
             Self::NoDaemon(_) => EXIT_NO_DAEMON,
-            Self::Fault(_) => EXIT_USAGE,
+            Self::Fault(_) | Self::SameName(_) => EXIT_USAGE,
             _ => EXIT_FAILED,
         }
     }

@@ -11,7 +11,7 @@ mod table;
 use super::error::{CtlError, printable};
 use super::kit::{Kit, Pipeline};
 use super::opening::{Fresh, Opened, allowed, open, tell_tally, with_method};
-use super::recording_args::{MethodChoice, ScoreArgs, ScoreFormat};
+use super::recording_args::{Beside, MethodChoice, ScoreArgs, ScoreFormat};
 use super::run::{json, print};
 use crate::attitude::Estimate;
 use crate::config::Settings;
@@ -87,6 +87,13 @@ pub fn command(args: &ScoreArgs, kit: &Kit, out: &mut dyn Write, err: &mut dyn W
     }
     let head = reader.head().clone();
     let methods = methods(&args.methods, &settings, &head)?;
+    let mut names: Vec<&str> = methods.iter().map(|m| m.as_str()).collect();
+    for Beside { name, .. } in &args.beside {
+        if names.contains(&name.as_str()) {
+            return Err(CtlError::SameName(name.clone()));
+        }
+        names.push(name);
+    }
     let mut runners: Vec<Runner> = methods.into_iter().map(|m| Runner::new(m, &settings, &head, kit)).collect();
     let mut others = args.beside.iter().map(Other::open).collect::<Result<Vec<_>, _>>()?;
     let mut filter = Filter::new(args.skip, args.min_ground_speed);
