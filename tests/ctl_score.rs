@@ -44,6 +44,23 @@ fn each_score_has_a_name_of_its_own() {
 }
 
 #[test]
+fn kelvin_are_noticed() {
+    let text = std::fs::read_to_string(FLIGHT).unwrap();
+    let header = text.lines().find(|l| l.starts_with("time_s")).unwrap();
+    let seen: Vec<bool> = header.split(',').map(|c| c.ends_with("_obj_c")).collect();
+    let cell = |(cell, seen): (&str, &bool)| match cell.parse::<f64>() {
+        Ok(c) if *seen => (c + 273.15).to_string(),
+        _ => cell.to_owned(),
+    };
+    let row = |line: &str| line.split(',').zip(&seen).map(cell).collect::<Vec<_>>().join(",") + "\n";
+    let kelvin = file("kelvin.csv", &text.lines().filter(|l| !l.starts_with('#')).map(row).collect::<String>());
+    for (flight, noticed) in [(kelvin.as_str(), true), (FLIGHT, false)] {
+        let (_, _, err) = run(&["score", flight]);
+        assert_eq!(err.contains("are they in kelvin? Subtract 273.15"), noticed, "{flight}: {err}");
+    }
+}
+
+#[test]
 fn a_name_and_a_file_beside_control_no_terminal() {
     let (code, out, _) = run(&["score", FLIGHT, "--beside", &OTHER.replace("other=", "\u{1b}[2J=")]);
     assert!(code == 0 && out.contains("\u{fffd}[2J ") && !out.contains('\u{1b}'), "{out:?}");

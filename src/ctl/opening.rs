@@ -66,6 +66,9 @@ pub fn tell_tally(reader: &Reader<BufReader<File>>, err: &mut dyn Write) {
     if reader.tally().is_other_unit() {
         let _ = writeln!(err, "notice: most rows are without time or far from the row before: is time_s in seconds?");
     }
+    if reader.tally().is_in_kelvin() {
+        let _ = writeln!(err, "notice: most rows see nothing below 150 °C: are they in kelvin? Subtract 273.15");
+    }
 }
 
 /// The settings with another method. A limit of roll that was not chosen is the new method's.

@@ -14,6 +14,8 @@ use std::ops::RangeInclusive;
 
 /// Temperatures that a thermopile can be asked to believe, °C.
 const TEMPERATURES_C: RangeInclusive<f64> = -273.15..=1000.0;
+/// What neither sky nor ground is: above it kelvin are taken for degrees Celsius, °C.
+const HOT_C: f64 = 150.0;
 /// Voltages that an ADC can give, V.
 const VOLTS: RangeInclusive<f64> = -100.0..=100.0;
 /// Everything else.
@@ -240,6 +242,9 @@ impl<R: BufRead> Reader<R> {
         }
         let time = time.ok_or(if negative { RowFault::Negative } else { RowFault::NoTime })?;
         self.tally.cells += bad_cells;
+        let temperatures = self.objects.iter().zip(&self.head.sensors).filter(|(_, s)| s.is_absolute());
+        let coldest = temperatures.filter_map(|(c, _)| c.ok()).min_by(f64::total_cmp);
+        self.tally.hot += u64::from(coldest.is_some_and(|c| c > HOT_C));
         let [roll_deg, pitch_deg, yaw_deg] = reference;
         self.row_reference = Reference { roll_deg, pitch_deg, yaw_deg };
         self.aiding = aiding;

@@ -42,6 +42,8 @@ pub struct Tally {
     pub cells: u64,
     /// Rows that gave a frame more than 10 s after the one before.
     pub wide: u64,
+    /// Rows whose temperatures are all above 150 °C.
+    pub hot: u64,
     /// How often the clock was set back, and the line from which that was first believed.
     set_back: (u64, u64),
     faults: [(u64, u64); RowFault::ALL.len()],
@@ -68,6 +70,11 @@ impl Tally {
     pub fn is_other_unit(&self) -> bool {
         let odd = self.wide + self.count(RowFault::Ahead) + self.count(RowFault::NoTime);
         2 * odd > self.rows
+    }
+
+    /// Whether in most rows nothing is seen but what is hotter than any sky and ground: kelvin are.
+    pub fn is_in_kelvin(&self) -> bool {
+        2 * self.hot > self.rows
     }
 
     pub(super) fn set_back(&mut self, line: u64) {
