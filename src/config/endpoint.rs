@@ -23,7 +23,7 @@ pub fn read<'a>(mavlink: &mut Section<'a>, findings: &Findings<'a>, rate_hz: f64
         let (streams, tlog) = (streams(&mut s, rate_hz), s.path("tlog", "a file that is written to"));
         let place = s.place("address");
         if let Some(address) = address {
-            if let Some((first, _)) = read.iter().find(|(_, e)| e.address == address) {
+            if let Some((first, _)) = read.iter().find(|(_, e)| collide(&e.address, &address)) {
                 s.wrong("address", &format!("is taken by the endpoint on {}", findings.line(*first, place)));
             }
             if let Some((first, _)) = read.iter().find(|(_, e)| tlog.is_some() && e.tlog == tlog) {
@@ -35,6 +35,16 @@ pub fn read<'a>(mavlink: &mut Section<'a>, findings: &Findings<'a>, rate_hz: f64
         s.finish();
     }
     read.into_iter().map(|(_, e)| e).collect()
+}
+
+/// Whether one of them leaves no place for the other. Who listens at every address of this machine does so at each.
+fn collide(a: &EndpointAddress, b: &EndpointAddress) -> bool {
+    use EndpointAddress::{TcpIn, UdpIn};
+    let every = |all: &SocketAddr, one: &SocketAddr| all.ip().is_unspecified() && (all.is_ipv6() || one.is_ipv4());
+    match (a, b) {
+        (UdpIn(a), UdpIn(b)) | (TcpIn(a), TcpIn(b)) => a == b || a.port() == b.port() && (every(a, b) || every(b, a)),
+        _ => a == b,
+    }
 }
 
 fn streams(s: &mut Section<'_>, rate_hz: f64) -> Streams {
