@@ -23,7 +23,7 @@ impl DoctorArgs {
 /// Arguments of `set-address`.
 #[derive(Clone, Debug, Args)]
 pub struct SetAddressArgs {
-    /// The address that it is to have, 0x03 to 0x77
+    /// The address that it is to have, 0x08 to 0x77: I²C reserves the others
     #[arg(value_parser = address)]
     pub new: u8,
     /// The bus that it is on, alone among MLX90614
@@ -145,8 +145,8 @@ fn address(text: &str) -> Result<u8, String> {
         None => text.parse(),
     };
     match number {
-        Ok(a @ 0x03..=0x77) => Ok(a),
-        _ => Err("expected a 7-bit address such as 0x5b, from 0x03 to 0x77".to_owned()),
+        Ok(a @ 0x08..=0x77) => Ok(a),
+        _ => Err("expected a 7-bit address such as 0x5b, from 0x08 to 0x77: I²C reserves the others".to_owned()),
     }
 }
 
@@ -156,8 +156,8 @@ mod tests {
 
     #[test]
     fn an_address_has_seven_bits() {
-        assert_eq!((address("0x5b"), address("0X03"), address("119")), (Ok(0x5b), Ok(3), Ok(0x77)));
-        for bad in ["0x02", "0x78", "0", "5b", "-1", "0xfff", "", "0x", "+5x"] {
+        assert_eq!((address("0x5b"), address("0X08"), address("119")), (Ok(0x5b), Ok(8), Ok(0x77)));
+        for bad in ["0x02", "0x03", "0x07", "0x78", "0", "5b", "-1", "0xfff", "", "0x", "+5x"] {
             assert!(address(bad).is_err(), "{bad}");
         }
         assert_eq!(averaged("2"), Ok(2.0));

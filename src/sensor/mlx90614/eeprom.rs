@@ -25,7 +25,7 @@ pub struct Change {
 /// Why a cell was not changed, and what it holds now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EepromError {
-    /// Not a 7-bit address that a chip may have: 0x03 to 0x77.
+    /// Not a 7-bit address that I²C leaves to chips: 0x08 to 0x77.
     BadAddress(u8),
     /// The new configuration would change bits that the factory calibrated with.
     FactoryBits {
@@ -77,7 +77,7 @@ pub enum EepromError {
 impl fmt::Display for EepromError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::BadAddress(a) => write!(f, "{a:#04x} is no address for a sensor; choose one from 0x03 to 0x77"),
+            Self::BadAddress(a) => write!(f, "{a:#04x} is no address for a sensor; choose one from 0x08 to 0x77"),
             Self::FactoryBits { holds, asked } => write!(
                 f,
                 "{asked:#06x} would change factory calibration bits of cell 0x25, which holds {holds:#06x}; keep its \
@@ -125,7 +125,7 @@ impl<B: WordBus> Mlx90614<B> {
     /// Gives the sensor the address `new` (7 bits) from its next power cycle on. The high byte of
     /// the cell stays. `pause` waits as long as it is told.
     pub fn set_address(&mut self, new: u8, pause: &mut dyn FnMut(Duration)) -> Result<Change, EepromError> {
-        if !(0x03..=0x77).contains(&new) {
+        if !(0x08..=0x77).contains(&new) {
             return Err(EepromError::BadAddress(new));
         }
         let held = self.cell(ADDRESS)?;
