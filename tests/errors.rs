@@ -225,7 +225,7 @@ fn recordings_that_are_no_good() {
     let nan: String = (0..100).map(|i| row(i).replace("3.0", "NaN").replace("20.0", "inf")).collect();
     let mut cut = format!("{COLUMNS}{good}");
     cut.truncate(cut.len() - 9);
-    let cases: [(&str, Vec<u8>, bool); 9] = [
+    let cases: [(&str, Vec<u8>, bool); 10] = [
         ("empty", Vec::new(), false),
         ("header-alone", COLUMNS.into(), false),
         ("truncated", cut.into(), true),
@@ -233,7 +233,8 @@ fn recordings_that_are_no_good() {
         ("malformed", format!("{COLUMNS}{}", good.replace(",-20.0", ";-20,0")).into(), true),
         ("binary", (0..=255).cycle().take(100_000).collect(), false),
         ("no-time", good.clone().into(), false),
-        ("time-backwards", format!("{COLUMNS}{}{}", row(50), row(0)).into(), true),
+        ("time-backwards", format!("{COLUMNS}{}{}{}", row(50), row(51), row(0)).into(), true),
+        ("time-ahead", format!("{COLUMNS}{}{}", row(50), row(0)).into(), true),
         ("no-sensors", b"time_s,altitude_m\n0.0,1.0\n".to_vec(), false),
     ];
     for (name, bytes, read) in cases {
