@@ -90,6 +90,11 @@ impl Missing {
         Self::Empty,
     ];
 
+    /// Whether it takes the whole bus down, and not one sensor on it.
+    pub fn is_of_the_bus(self) -> bool {
+        matches!(self, Self::BusGone | Self::BusHeld | Self::BusInUse | Self::Denied)
+    }
+
     /// The reason that is told by these words.
     pub fn from_words(words: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|m| m.as_str() == words)

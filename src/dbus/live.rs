@@ -29,8 +29,13 @@ impl Live {
         Self { snapshot: Snapshot::default(), info, overdue: false, since: now }
     }
 
+    /// What `all` has for a sensor that is told of, where the newest frame is of these sensors.
+    pub fn of_sensor<'a, T>(&'a self, all: &'a [T], index: usize) -> Option<&'a T> {
+        all.get(index).filter(|_| self.is_of_these_sensors())
+    }
+
     /// Whether the newest frame is of the sensors that are told of: not between a reload and its first frame.
-    pub fn is_of_these_sensors(&self) -> bool {
+    fn is_of_these_sensors(&self) -> bool {
         let (told, measured) = (&self.info.head.sensors, &self.snapshot.head.sensors);
         told.iter().map(|s| &s.name).eq(measured.iter().map(|s| &s.name))
     }

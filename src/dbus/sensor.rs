@@ -19,8 +19,7 @@ impl Sensor {
 
     fn health<T: Default>(&self, pick: impl FnOnce(&SensorHealth) -> T) -> T {
         let live = lock(&self.live);
-        let health = live.snapshot.health.get(self.index).filter(|_| live.is_of_these_sensors());
-        health.map(pick).unwrap_or_default()
+        live.of_sensor(&live.snapshot.health, self.index).map(pick).unwrap_or_default()
     }
 
     fn reading(&self) -> Result<Reading, &'static str> {
@@ -28,8 +27,7 @@ impl Sensor {
         if live.overdue {
             return Err("stale");
         }
-        let reading = live.snapshot.frame.readings.get(self.index).filter(|_| live.is_of_these_sensors());
-        reading.copied().ok_or("not read yet")
+        live.of_sensor(&live.snapshot.frame.readings, self.index).copied().ok_or("not read yet")
     }
 
     fn value(&self, pick: impl FnOnce(Value) -> Option<f64>) -> f64 {
@@ -118,8 +116,7 @@ impl Sensor {
     #[zbus(property(emits_changed_signal = "false"))]
     fn residual_c(&self) -> f64 {
         let live = lock(&self.live);
-        let residual = live.snapshot.estimate.residuals_k.get(self.index).filter(|_| live.is_of_these_sensors());
-        residual.copied().flatten().unwrap_or(f64::NAN)
+        live.of_sensor(&live.snapshot.estimate.residuals_k, self.index).copied().flatten().unwrap_or(f64::NAN)
     }
 
     /// When it was measured, microseconds of CLOCK_BOOTTIME; 0 without a measurement.

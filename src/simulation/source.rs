@@ -233,8 +233,7 @@ impl FrameSource for SimulatedSource {
                         _ => &mut health.counters.other,
                     };
                     *counter += 1;
-                    if let (Missing::BusGone | Missing::BusHeld | Missing::BusInUse | Missing::Denied, Some(bus)) =
-                        (reason, self.bus_of[i])
+                    if let Some(bus) = self.bus_of[i].filter(|_| reason.is_of_the_bus())
                         && let Some(down) = self.buses_down.get_mut(bus)
                     {
                         *down = Some(reason);

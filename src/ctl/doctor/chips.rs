@@ -47,14 +47,8 @@ fn answers(seen: &Seen) -> Option<Finding> {
             let (evidence, next) = explained(seen, why);
             let evidence = match why {
                 // These are the whole bus's, and alike for all on it.
-                Missing::BusGone | Missing::BusHeld | Missing::BusInUse | Missing::Denied
-                    if evidence.contains(&s.bus) =>
-                {
-                    evidence
-                }
-                Missing::BusGone | Missing::BusHeld | Missing::BusInUse | Missing::Denied => {
-                    format!("{evidence}: {}", s.bus)
-                }
+                why if why.is_of_the_bus() && evidence.contains(&s.bus) => evidence,
+                why if why.is_of_the_bus() => format!("{evidence}: {}", s.bus),
                 _ => format!("{evidence} at {at}"),
             };
             C.fail(&s.name, evidence, next)

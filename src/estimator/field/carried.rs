@@ -1,7 +1,7 @@
 //! What a gyro makes of the attitude that was given some seconds ago.
 //!
-//! A filter that is misled slowly, by a scene or by a sensor that it should not have heard, goes where its gyro has not
-//! turned. One of the two is wrong: where they part by more than both are known to, σ holds by how much.
+//! A filter that is misled, slowly or by what it begins anew with, goes where its gyro has not turned. One of
+//! the two is wrong: where they part by more than both are known to, σ holds by how much.
 
 use super::FieldEstimator;
 use super::rates::correction;

@@ -19,14 +19,14 @@ const UNDECIDED_S: f64 = 5.0;
 impl FieldEstimator {
     /// The readings of `frame` that are newer than the last of their sensor, and the newest stamp.
     pub(super) fn readings(&mut self, frame: &Frame) -> ([Option<f64>; MAX_SENSORS], Option<Time>) {
-        // A clock that has been set back begins anew.
-        let restart = |last: Time| frame.sample_time().is_some_and(|now| now.since(last) < -GAP_S);
-        if self.last.is_some_and(|(last, _)| restart(last)) {
-            (self.last, self.stamps) = (None, [None; MAX_SENSORS]);
-        }
-        // What comes late says nothing of now.
-        if self.last.is_some_and(|(last, _)| frame.sample_time().is_some_and(|now| now < last)) {
-            return ([None; MAX_SENSORS], None);
+        if let (Some((last, _)), Some(now)) = (self.last, frame.sample_time()) {
+            if now.since(last) < -GAP_S {
+                // A clock that has been set back begins anew.
+                (self.last, self.stamps) = (None, [None; MAX_SENSORS]);
+            } else if now < last {
+                // What comes late says nothing of now.
+                return ([None; MAX_SENSORS], None);
+            }
         }
         let mut newest = None;
         let mut readings: [Option<f64>; MAX_SENSORS] = std::array::from_fn(|i| {
