@@ -9,6 +9,7 @@ use super::state::RATE;
 use crate::attitude::Attitude;
 use crate::estimator::Solution;
 use crate::estimator::vector::{Vector, add_scaled, dot, length, product, rotation};
+use crate::time::Time;
 
 /// How fast a gyro's bias is forgotten, rad/s for a second.
 const BIAS_WALK: f64 = 1e-5;
@@ -45,21 +46,24 @@ pub struct Carried {
     at: usize,
     /// What is added to the gyro's rates, rad/s, and how well that is known.
     bias: Option<(Vector, f64)>,
+    /// What is carried is carried to then.
+    last: Option<Time>,
 }
 
 impl Carried {
     /// Turns on what is carried by a gyro's `rates` with their correction and how well that is known, rad/s on (nose, left,
-    /// up), for `dt_s`.
-    fn carry(&mut self, rates: Vector, now: (Vector, f64), dt_s: f64) {
+    /// up), to `time`.
+    fn carry(&mut self, rates: Vector, now: Option<(Vector, f64)>, time: Time) {
+        let dt_s = self.last.replace(time).map_or(0.0, |last| time.since(last));
         if !(0.0..GAP_S).contains(&dt_s) {
-            *self = Self { bias: self.bias, ..Self::default() };
+            *self = Self { bias: self.bias, last: self.last, ..Self::default() };
             return;
         }
         // Where the filter begins anew the gyro's bias does not.
-        let (correction, known) = *self.bias.insert(match self.bias {
-            Some((correction, known)) if known + BIAS_WALK * dt_s < now.1 => (correction, known + BIAS_WALK * dt_s),
-            _ => now,
-        });
+        let before = self.bias.map(|(correction, known)| (correction, known + BIAS_WALK * dt_s));
+        let better = now.filter(|now| before.is_none_or(|before| now.1 <= before.1));
+        self.bias = better.or(before);
+        let Some((correction, known)) = self.bias else { return };
         self.next_s -= dt_s;
         let rates = add_scaled(rates, 1.0, correction);
         let on = rotation(rates.map(|r| -r * dt_s));
@@ -79,7 +83,7 @@ impl Carried {
             angle - (SIGMAS * a.sigma.hypot(sigma) + a.drifted)
         };
         let most = self.anchors.iter().flatten().map(beyond).fold(0.0, f64::max);
-        if self.next_s <= 0.0 && most == 0.0 {
+        if self.next_s <= 0.0 && most == 0.0 && self.bias.is_some() {
             self.anchors[self.at] = Some(Anchor { up, sigma, age_s: 0.0, drifted: 0.0 });
             self.at = (self.at + 1) % CARRIED;
             self.next_s = APART_S;
@@ -89,14 +93,16 @@ impl Carried {
 }
 
 impl FieldEstimator {
-    /// Takes in a gyro's rates, while it is believed, for `dt_s`.
-    pub(super) fn carry_on(&mut self, dt_s: f64) {
-        let Some(rates) = self.gyro.rates() else {
+    /// Takes in a gyro's rates, while it is believed, up to `now`; one that is proven also while nothing else is.
+    pub(super) fn carry_on(&mut self, now: Time) {
+        let unbegun = || self.gyro.newest().filter(|_| self.last.is_none() && self.turns.proven());
+        let Some(rates) = self.gyro.rates().or_else(unbegun) else {
             self.carried = Carried::default();
             return;
         };
         let known = (0..3).map(|i| self.state.p[RATE + i][RATE + i]).fold(0.0, f64::max).sqrt();
-        self.carried.carry(rates, (correction(&self.state), known), dt_s);
+        let bias = self.gyro.in_use().then(|| (correction(&self.state), known));
+        self.carried.carry(rates, bias, now);
     }
 
     /// What is said, with what the gyro makes of what was said before.
@@ -117,6 +123,10 @@ impl FieldEstimator {
 mod tests {
     use super::*;
 
+    fn at(s: f64) -> Time {
+        Time::from_secs_f64(100.0 + s)
+    }
+
     const KNOWN: f64 = 0.0005;
 
     fn up(roll_deg: f64) -> Vector {
@@ -131,9 +141,9 @@ mod tests {
     /// much, at `said` °/s; σ is 1° all along.
     fn parted_deg(carried: &mut Carried, seconds: f64, [seen, said, bias]: [f64; 3]) -> f64 {
         (1..=(seconds * 50.0) as u32).fold(0.0, |_, i| {
-            let rates = [said + bias, 0.0, 0.0].map(f64::to_radians);
-            carried.carry(rates, ([-bias.to_radians(), 0.0, 0.0], KNOWN), 0.02);
-            carried.parts(up(seen * 0.02 * f64::from(i)), sigma(1.0)).to_degrees()
+            let (rates, s) = ([said + bias, 0.0, 0.0].map(f64::to_radians), 0.02 * f64::from(i));
+            carried.carry(rates, Some(([-bias.to_radians(), 0.0, 0.0], KNOWN)), at(s));
+            carried.parts(up(seen * s), sigma(1.0)).to_degrees()
         })
     }
 
@@ -161,22 +171,35 @@ mod tests {
         let mut carried = Carried::default();
         assert!(parted_deg(&mut carried, 10.0, [3.0, 0.0, 0.0]) > 20.0);
         let mut gone = carried;
-        let still = |carried: &mut Carried| {
-            carried.carry([0.0; 3], ([0.0; 3], KNOWN), 0.02);
+        let still = |carried: &mut Carried, s: f64| {
+            carried.carry([0.0; 3], Some(([0.0; 3], KNOWN)), at(s));
             carried.parts(up(30.0), sigma(1.0))
         };
-        let lasts_s = (0..).take_while(|_| still(&mut carried) > 0.0).count() as f64 * 0.02;
+        let lasts_s = (1..).map(|i| 0.02 * f64::from(i)).find(|s| still(&mut carried, 10.0 + s) == 0.0).unwrap();
         assert!((15.0..30.0).contains(&lasts_s), "{lasts_s} s");
-        gone.carry([0.0; 3], ([0.0; 3], KNOWN), 1.0);
-        assert_eq!(still(&mut gone), 0.0);
+        assert_eq!(still(&mut gone, 11.0), 0.0);
     }
 
-    /// Begun anew the filter knows its bias less well, and nothing of the gyro has changed.
+    #[test]
+    fn nothing_is_carried_by_a_gyro_that_was_never_used() {
+        let mut carried = Carried::default();
+        carried.carry([0.0; 3], None, at(0.0));
+        carried.parts(up(0.0), sigma(1.0));
+        carried.carry([0.0; 3], None, at(0.02));
+        assert_eq!(carried.parts(up(90.0), sigma(1.0)), 0.0);
+    }
+
+    /// Begun anew the filter knows its bias less well, and while it cannot begin none; nothing of the gyro has changed.
     #[test]
     fn the_best_that_was_known_of_the_bias_is_kept() {
         let mut carried = Carried::default();
-        carried.carry([0.0; 3], ([0.01, 0.0, 0.0], KNOWN), 0.02);
-        carried.carry([0.0; 3], ([0.0; 3], 0.02), 0.02);
-        assert!(carried.bias.is_some_and(|(bias, known)| bias[0] == 0.01 && known < 1.01 * KNOWN));
+        carried.carry([0.0; 3], Some(([0.01, 0.0, 0.0], KNOWN)), at(0.0));
+        carried.carry([0.0; 3], None, at(0.02));
+        carried.carry([0.0; 3], Some(([0.0; 3], 0.02)), at(0.04));
+        carried.parts(up(0.0), sigma(1.0));
+        assert!(
+            carried.anchors[0].is_some()
+                && carried.bias.is_some_and(|(bias, known)| bias[0] == 0.01 && known < 1.01 * KNOWN)
+        );
     }
 }

@@ -66,7 +66,7 @@ impl Gyro {
         if self.interval_s.is_some_and(|s| s > slow_s) {
             self.rates = None;
         }
-        if contradicted || self.wrong_since.is_some_and(|at| (0.0..self.distrust_s).contains(&now.since(at))) {
+        if contradicted || self.is_distrusted() {
             self.rates = None;
         }
         before != self.rates.is_some()
@@ -146,9 +146,20 @@ impl Gyro {
         self.heard
     }
 
+    /// The newest rates, rad/s on nose, left, up, while it is believed: also in frames that nothing begins with.
+    pub fn newest(&self) -> Option<Vector> {
+        let slow = self.interval_s.is_some_and(|s| s > SLOW_S.1);
+        let fresh = |at: Time| (0.0..AGE_S).contains(&self.now.since(at));
+        self.last.filter(|(_, at)| fresh(*at) && !slow && !self.is_distrusted()).map(|(rates, _)| rates)
+    }
+
     /// Whether there are rates.
     pub fn in_use(&self) -> bool {
         self.rates.is_some()
+    }
+
+    fn is_distrusted(&self) -> bool {
+        self.wrong_since.is_some_and(|at| (0.0..self.distrust_s).contains(&self.now.since(at)))
     }
 
     /// The thermopiles speak against it: it is not believed for a while.

@@ -327,7 +327,7 @@ impl Estimator for FieldEstimator {
         if self.gyro.update(&frame.aiding, now, dt_s, self.turns.contradict()) {
             self.set_rates();
         }
-        self.carry_on(dt_s);
+        self.carry_on(now);
         self.sides.carry(self.turning().filter(|_| dt_s < GAP_S).map(|rates| rates.map(|r| r * dt_s)));
         // What one sensor does must not be taken for the attitude, or for the gyro.
         let hidden = self.gyro.in_use().then(|| self.hidden(self.scene.seen_k()));
@@ -336,6 +336,7 @@ impl Estimator for FieldEstimator {
         let lost = self.lost_s > LOST_S;
         if lost {
             self.gyro.distrust();
+            self.carried = Carried::default();
         }
         // A wall is still there when it begins anew.
         let hides = if lost { self.may_hide() } else { 0.0 };

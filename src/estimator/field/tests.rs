@@ -5,7 +5,7 @@ use super::start::Start;
 use super::state::{DEPTH, RATE, SEEN, VIEW};
 use super::*;
 use crate::attitude::Attitude;
-use crate::frame::{Aiding, Sample};
+use crate::frame::{Aiding, Missing, Sample};
 use crate::simulation::noise::Noise;
 use crate::simulation::scenario::Scenario;
 use crate::sky::family::LN_DEPTH;
@@ -293,26 +293,36 @@ fn clouds_that_have_been_there_for_long_are_forgotten_sooner_in_a_turn() {
     assert!(0.6 < old && old < 0.93 * new && new < 0.99, "{new} {old}");
 }
 
-/// Whatever made it begin anew, there is where the gyro has not turned.
+/// Whatever made it begin anew, there is where the gyro has not turned: at once, and after two seconds in which it could not.
 #[test]
 fn begun_anew_where_its_gyro_has_not_turned_sigma_holds_how_far_that_is() {
-    let scenario = Scenario::named("clear-dry").unwrap().lasting(60.0);
-    let (mut source, head) = (scenario.source(5), scenario.head());
-    let mut e = FieldEstimator::new(&head, scenario.field(), Tuning::default());
-    let mut frame = Frame::new(head.sensors.len());
-    let mut frame_at = |i: u32| {
-        let now = Time::from_secs_f64(100.0 + 0.02 * f64::from(i));
-        source.scan(now, &mut frame);
-        frame.aiding = Aiding { gyro_deg_s: frame.aiding.gyro_deg_s, ..Aiding::default() };
-        (frame.clone(), now)
-    };
-    let before = (0..1500).map(|i| e.update(&frame_at(i).0)).last().unwrap();
-    let mut elsewhere = e.state.clone();
-    elsewhere.rotate([1.0, 0.0, 0.0]);
-    let (frame, now) = frame_at(1500);
-    let (readings, _) = e.readings(&frame);
-    e.begin_with(&Start { axes: elsewhere.axes, scene: scene(&e.state), misfit_k2: 0.0 }, &readings, now);
-    let after = e.update(&frame_at(1501).0);
-    let [before, after] = [before, after].map(|s| s.sigma.roll.max(s.sigma.pitch).to_degrees());
-    assert!(before < 1.0 && after > 20.0, "{before} {after}");
+    for blind in [0, 100] {
+        let scenario = Scenario::named("clear-dry").unwrap().lasting(60.0);
+        let (mut source, head) = (scenario.source(5), scenario.head());
+        let mut e = FieldEstimator::new(&head, scenario.field(), Tuning::default());
+        let mut frame = Frame::new(head.sensors.len());
+        let mut frame_at = |i: u32| {
+            let now = Time::from_secs_f64(100.0 + 0.02 * f64::from(i));
+            source.scan(now, &mut frame);
+            frame.aiding = Aiding { gyro_deg_s: frame.aiding.gyro_deg_s, ..Aiding::default() };
+            (frame.clone(), now)
+        };
+        let before = (0..1500).map(|i| e.update(&frame_at(i).0)).last().unwrap();
+        let mut elsewhere = e.state.clone();
+        elsewhere.rotate([1.0, 0.0, 0.0]);
+        let elsewhere = Start { axes: elsewhere.axes, scene: scene(&e.state), misfit_k2: 0.0 };
+        for i in 0..blind {
+            let (mut frame, _) = frame_at(1500 + i);
+            frame.readings[1..].fill(Err(Missing::Empty));
+            e.last = None;
+            // The readings before last for 50 ms.
+            assert!(e.update(&frame).attitude.is_none() || i < 3);
+        }
+        let (frame, now) = frame_at(1500 + blind);
+        let (readings, _) = e.readings(&frame);
+        e.begin_with(&elsewhere, &readings, now);
+        let after = e.update(&frame_at(1501 + blind).0);
+        let [before, after] = [before, after].map(|s| s.sigma.roll.max(s.sigma.pitch).to_degrees());
+        assert!(before < 1.0 && after > 20.0, "{blind}: {before} {after}");
+    }
 }
