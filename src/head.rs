@@ -160,6 +160,17 @@ impl Head {
         }
     }
 
+    /// The mean of the two sensors of pair `index` in `frame`, K or °C; `None` where one is missing, and of a pair that shows a
+    /// difference alone.
+    pub fn mean_k(&self, index: usize, frame: &Frame) -> Option<f64> {
+        match self.pairs.get(index)?.source {
+            PairSource::Opposed { high, low } => {
+                Some(0.5 * (self.reading_k(high, frame)?.0 + self.reading_k(low, frame)?.0))
+            }
+            PairSource::Channel(_) => None,
+        }
+    }
+
     /// The pair that looks straight up, if there is one: its index and +1, or −1 when its positive
     /// direction is down.
     pub fn vertical_pair(&self) -> Option<(usize, f64)> {

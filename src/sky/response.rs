@@ -101,7 +101,12 @@ impl Response {
         for i in 1..g.len() {
             g[i] = g[i].max(g[i - 1]).min(1.0);
         }
-        PairCurve { contrast_k: at(QUARTER, sky_max_k), g }
+        let mean = |i: usize| {
+            let sin = (i as f64 / STEPS_PER_DEG as f64).to_radians().sin();
+            let shown = [sin, -sin].map(|sin| self.sensor_c(sin, ground_c, visible_k));
+            (ground_c - 0.5 * (shown[0] + shown[1])) / at(QUARTER, visible_k)
+        };
+        PairCurve { contrast_k: at(QUARTER, sky_max_k), g, mean: (0..=QUARTER).map(mean).collect() }
     }
 }
 
@@ -111,6 +116,7 @@ pub struct PairCurve {
     contrast_k: f64,
     /// From 0° to 90°.
     g: Vec<f64>,
+    mean: Vec<f64>,
 }
 
 impl PairCurve {
@@ -123,6 +129,12 @@ impl PairCurve {
     pub fn g(&self, sin_elevation: f64) -> f64 {
         let x = entry(sin_elevation);
         interpolate(x.abs(), &self.g, |v| *v).copysign(x)
+    }
+
+    /// By how much the mean of the pair's two sensors lies below the ground, over the contrast, at the elevation whose sine is
+    /// `sin_elevation`: even, about a half when vertical.
+    pub fn mean(&self, sin_elevation: f64) -> f64 {
+        interpolate(entry(sin_elevation).abs(), &self.mean, |v| *v)
     }
 
     /// The sine of the elevation at which [`g`](Self::g) is `ratio`; ±1 beyond ±1, NaN for NaN.

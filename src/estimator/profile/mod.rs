@@ -5,12 +5,14 @@
 //! - [`solve`]: contrast and vertical of one set of signals;
 //! - [`range`]: the adaptive range, a filter on that contrast;
 //! - [`shape`]: the sky's shape, learnt from how that contrast goes with the bank;
+//! - `means`: where opposed sensors show that one is off;
 //! - [`motion`]: how the vertical moves, and the sensors' lag made up for;
 //! - `output`: angles and standard deviations.
 //!
 //! See [`ProfileEstimator`].
 
 pub mod inverse;
+mod means;
 pub mod motion;
 mod output;
 pub mod range;
@@ -137,7 +139,7 @@ impl InFlight {
         }
         let noise = PAIR_NOISE_K.hypot(solved.residual_k) / (PAIR_SLOPE * solved.contrast_k);
         let moved = self.motion.update(up, noise, time);
-        Seen { moved, by_shape, unseen: unseen_lean(moved.up) }
+        Seen { moved, by_shape, unseen: unseen_lean(moved.up), off_k: 0.0 }
     }
 }
 
@@ -166,7 +168,10 @@ impl Estimator for ProfileEstimator {
         self.residual = ranged.map(|r| r.length - 1.0);
         self.exchanged = sign < 0.0;
         let seen = match &mut self.flight {
-            Some(flight) => flight.learn(solver, &self.signals, (&solved, sign), time),
+            Some(flight) => {
+                let off_k = means::off_k(&self.head, frame, solver, (&solved, sign), flight.shape.sigma());
+                Seen { off_k, ..flight.learn(solver, &self.signals, (&solved, sign), time) }
+            }
             None => Seen::alone(solved.vertical.map(|c| sign * c)),
         };
         let (attitude, sigma) = attitude(solver, &self.signals, &solved, &seen, scaled.as_ref());

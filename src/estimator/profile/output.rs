@@ -20,12 +20,15 @@ pub struct Seen {
     pub by_shape: Vector,
     /// By a warm side.
     pub unseen: Attitude,
+    /// What one sensor may be off by, K.
+    pub off_k: f64,
 }
 
 impl Seen {
     /// As one frame alone shows it under a sky that is known.
     pub fn alone(up: Vector) -> Self {
-        Self { moved: Moved { up, spread: 1.0, late: [0.0; 3] }, by_shape: [0.0; 3], unseen: Attitude::default() }
+        let moved = Moved { up, spread: 1.0, late: [0.0; 3] };
+        Self { moved, by_shape: [0.0; 3], unseen: Attitude::default(), off_k: 0.0 }
     }
 }
 
@@ -54,14 +57,15 @@ pub fn attitude(
     let (sin_roll, cos_roll) = plain.roll.sin_cos();
     let roll = [0.0, cos_roll, -sin_roll].map(|c| c / across.max(LEAST_ACROSS));
     let pitch = [across, -exact[0] * sin_roll, -exact[0] * cos_roll];
-    let noise = solver.spread(signals, solved, [roll, pitch], PAIR_NOISE_K.hypot(solved.residual_k));
-    let [roll_noise, pitch_noise] = noise.unwrap_or([PI; 2]);
+    // Noise grows less by what was seen before, a sensor that is off does not.
+    let noise = (spread * PAIR_NOISE_K.hypot(solved.residual_k)).hypot(seen.off_k);
+    let [roll_noise, pitch_noise] = solver.spread(signals, solved, [roll, pitch], noise).unwrap_or([PI; 2]);
     // What cannot be explained at all.
     let unexplained = (1.0 - solved.length).max(0.0);
     // Where the model is in doubt the angle is shown larger; what the range has added is doubted as well.
     let said = |way: Vector, noise: f64, unseen: f64, (given, plain): (f64, f64), limit: f64| {
         let model = dot(way, seen.by_shape).hypot(unexplained);
-        let sigma = model.hypot(spread * noise).hypot(dot(way, late)).hypot(given - plain).hypot(unseen);
+        let sigma = model.hypot(noise).hypot(dot(way, late)).hypot(given - plain).hypot(unseen);
         (guard(given, model, limit), sigma)
     };
     let (roll, roll_sigma) = said(roll, roll_noise, seen.unseen.roll, (given.roll, plain.roll), PI);
