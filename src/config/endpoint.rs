@@ -9,6 +9,9 @@ use std::net::SocketAddr;
 /// As many endpoints as are served.
 const MOST: usize = 16;
 
+/// How an address is written.
+const FORMS: &str = "udpout:host:port, udpin:address:port, tcpout:host:port, tcpin:address:port or serial:/dev/…:baud";
+
 /// Reads the endpoints under the section `mavlink`.
 pub fn read<'a>(mavlink: &mut Section<'a>, findings: &Findings<'a>, rate_hz: f64) -> Vec<EndpointSettings> {
     let tables = mavlink.list("endpoint", "[[mavlink.endpoint]]");
@@ -61,48 +64,43 @@ fn streams(s: &mut Section<'_>, rate_hz: f64) -> Streams {
 }
 
 fn address(s: &mut Section<'_>) -> Option<EndpointAddress> {
-    const FORMS: &str = "udpout:host:port, udpin:address:port, tcpout:host:port, tcpin:address:port or \
-                         serial:/dev/…:baud";
     if !s.has("address") {
         s.missing("address", FORMS);
     }
     let text = s.string("address", FORMS)?;
+    parse(text).map_err(|problem| s.wrong("address", &problem)).ok()
+}
+
+/// An endpoint's address; the error says what is wrong with it.
+pub fn parse(text: &str) -> Result<EndpointAddress, String> {
     let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
     match kind {
         "udpout" | "udpin" | "tcpout" | "tcpin" => {}
-        "serial" => return serial(s, rest),
-        _ => {
-            s.wrong("address", &format!("is not an endpoint: {FORMS}"));
-            return None;
-        }
+        "serial" => return serial(rest),
+        _ => return Err(format!("is not an endpoint: {FORMS}")),
     }
-    let problem = match socket_address(rest) {
-        Ok(to) if to.port() == 0 => "has port 0: a port lies in 1 to 65535".into(),
-        Ok(to) if kind == "udpin" => return Some(EndpointAddress::UdpIn(to)),
-        Ok(to) if kind == "tcpin" => return Some(EndpointAddress::TcpIn(to)),
-        Ok(to) if to.ip().is_unspecified() => {
+    match socket_address(rest)? {
+        to if to.port() == 0 => Err("has port 0: a port lies in 1 to 65535".into()),
+        to if kind == "udpin" => Ok(EndpointAddress::UdpIn(to)),
+        to if kind == "tcpin" => Ok(EndpointAddress::TcpIn(to)),
+        to if to.ip().is_unspecified() => {
             let listening = kind.replace("out", "in");
-            format!("sends to nobody: name the receiver's address, or listen with \"{listening}:{rest}\"")
+            Err(format!("sends to nobody: name the receiver's address, or listen with \"{listening}:{rest}\""))
         }
-        Ok(to) if kind == "udpout" => return Some(EndpointAddress::UdpOut(to)),
-        Ok(to) => return Some(EndpointAddress::TcpOut(to)),
-        Err(problem) => problem,
-    };
-    s.wrong("address", &problem);
-    None
+        to if kind == "udpout" => Ok(EndpointAddress::UdpOut(to)),
+        to => Ok(EndpointAddress::TcpOut(to)),
+    }
 }
 
 /// `/dev/…:baud`; the rate is the adapter's business, its range is what adapters have.
-fn serial(s: &mut Section<'_>, rest: &str) -> Option<EndpointAddress> {
+fn serial(rest: &str) -> Result<EndpointAddress, String> {
     let example = "for example serial:/dev/serial0:921600";
     let (path, baud) = rest.rsplit_once(':').unwrap_or((rest, ""));
-    let problem = match baud.parse::<u32>() {
-        _ if !path.starts_with('/') => format!("names no device by its absolute path: {example}"),
-        Ok(baud @ 1200..=4_000_000) => return Some(EndpointAddress::Serial { path: path.into(), baud }),
-        _ => format!("has no good baud rate at its end, 1200 to 4000000: {example}"),
-    };
-    s.wrong("address", &problem);
-    None
+    match baud.parse::<u32>() {
+        _ if !path.starts_with('/') => Err(format!("names no device by its absolute path: {example}")),
+        Ok(baud @ 1200..=4_000_000) => Ok(EndpointAddress::Serial { path: path.into(), baud }),
+        _ => Err(format!("has no good baud rate at its end, 1200 to 4000000: {example}")),
+    }
 }
 
 /// `host:port`, the host as a number or `localhost`, IPv6 in brackets.

@@ -1,5 +1,6 @@
 //! A configuration and its drop-ins made one.
 
+use super::endpoint;
 use super::raw::{Entry, Node, Table, Value};
 use std::collections::BTreeMap;
 
@@ -49,8 +50,8 @@ fn merge_list(old: &mut Vec<Node>, new: Vec<Node>, id: &str, path: &str) {
 fn name(node: &Node, id: &str) -> Option<String> {
     let Value::Table(table) = &node.value else { return None };
     match &table.get(id)?.node.value {
-        // Two spellings of one address: settings that were read are written with the second.
-        Value::String(s) if id == "address" => Some(s.replacen(":localhost:", ":127.0.0.1:", 1)),
+        // However an address is spelled, it is one: settings that were read are written in a spelling of their own.
+        Value::String(s) if id == "address" => Some(endpoint::parse(s).map_or_else(|_| s.clone(), |a| a.to_string())),
         Value::String(s) => Some(s.clone()),
         _ => None,
     }
