@@ -4,10 +4,23 @@ use crate::config::{self, ConfigErrors, Loaded};
 use crate::mavlink::service::{Change, drop_in};
 use crate::save::{FileSystem, replace, state_folder};
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
+use thiserror::Error;
 
 /// The most bytes of it that are read.
 const LARGEST: u64 = 64 * 1024;
+
+/// Why nothing of what was kept can be had.
+#[derive(Debug, Error)]
+enum Unread {
+    /// The system does not give it.
+    #[error("{0}; see who may read it (ls -l), or remove it and set them anew")]
+    Io(#[from] io::Error),
+    /// It holds something else, or was damaged.
+    #[error("there is no setting in it, or too much to be of irhorizond; remove it and set them anew")]
+    Foreign,
+}
 
 /// The settings kept for one configuration.
 #[derive(Clone, Debug)]
@@ -37,8 +50,10 @@ impl Kept {
         if let Some(text) = &self.unwritten {
             return text.clone();
         }
-        let short = fs::metadata(&self.path).is_ok_and(|m| m.is_file() && m.len() <= LARGEST);
-        if short { fs::read_to_string(&self.path).unwrap_or_default() } else { String::new() }
+        read(&self.path).unwrap_or_else(|e| {
+            log::error!("{}: settings kept from MAVLink parameters are left out: {e}", self.path.display());
+            String::new()
+        })
     }
 
     /// The configuration with what is kept laid upon it. What does not fit it any more (a range, an endpoint that is no
@@ -70,6 +85,20 @@ impl Kept {
             self.unwritten = Some(text);
         }
     }
+}
+
+/// What is in the file; one that is not there is empty.
+fn read(path: &Path) -> Result<String, Unread> {
+    let meta = match fs::metadata(path) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(String::new()),
+        meta => meta?,
+    };
+    if !meta.is_file() || meta.len() > LARGEST {
+        return Err(Unread::Foreign);
+    }
+    let text = fs::read_to_string(path)?;
+    let nothing = text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'));
+    if nothing || !drop_in::single(&text).is_empty() { Ok(text) } else { Err(Unread::Foreign) }
 }
 
 /// `plain` with those settings of `text` that `lay` takes, and whether there are any.
@@ -105,6 +134,24 @@ mod tests {
         for file in [configuration, path] {
             fs::remove_file(file).unwrap();
         }
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_not_taken_for_nothing() {
+        let path = std::env::temp_dir().join(format!("irhorizon-unread-{}", std::process::id()));
+        assert_eq!(read(&path).unwrap(), "");
+        let long = "#".repeat(LARGEST as usize + 1);
+        for damaged in
+            [&b"\0\0\0\0"[..], b"[head]\nroll-trim-d", b"[head]\nroll-trim-deg = 2\n# \xff\n", long.as_bytes()]
+        {
+            fs::write(&path, damaged).unwrap();
+            assert!(read(&path).is_err(), "{:?}", String::from_utf8_lossy(&damaged[..damaged.len().min(40)]));
+        }
+        for sound in ["", "# nothing\n\n", "[head]\nroll-trim-deg = 2\n"] {
+            fs::write(&path, sound).unwrap();
+            assert_eq!(read(&path).unwrap(), sound);
+        }
+        fs::remove_file(path).unwrap();
     }
 
     #[test]
