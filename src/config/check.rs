@@ -2,9 +2,12 @@
 
 use super::findings::Findings;
 use super::sensor::{Read, Sensors};
-use super::settings::{DeviceSettings, LineSettings, Method, Settings};
+use super::settings::{DeviceSettings, LineSettings, MavlinkSettings, Method, Settings};
 use super::source::Place;
 use crate::direction::Direction;
+
+/// MAV_COMP_ID_AUTOPILOT1.
+const AUTOPILOT: u8 = 1;
 
 /// Runs every check; `lamp` is the place of `[faults] lamp`.
 pub fn check(settings: &Settings, sensors: &Sensors<'_>, lamp: Place, findings: &Findings<'_>) {
@@ -141,6 +144,14 @@ pub fn warnings(settings: &Settings) -> Vec<String> {
         if Direction::named(&s.name).is_some_and(|d| d.dot(s.direction.components()) < 0.999) {
             warnings.push(format!("sensor \"{}\": in spite of its name it looks {}", s.name, s.direction));
         }
+    }
+    let MavlinkSettings { system_id, component_id, autopilot_id, .. } = settings.mavlink;
+    if component_id == AUTOPILOT && (system_id.is_none() || system_id == autopilot_id) {
+        warnings.push(
+            "mavlink.component-id = 1 is the autopilot's own: what this daemon sends is taken for the autopilot's; leave \
+             191, or give system-id a number of its own"
+                .into(),
+        );
     }
     if settings.mavlink.endpoints.is_empty() && settings.dbus.bus.is_none() {
         warnings.push("no [[mavlink.endpoint]], and dbus.bus = \"none\": the attitude goes nowhere".into());
