@@ -272,6 +272,18 @@ fn the_name_belongs_to_the_first() {
 }
 
 #[test]
+fn who_went_on_without_an_answer_gets_the_name_when_it_is_free() {
+    let bus = Bus::new();
+    let mut first = Daemon::start(&bus);
+    let second = Daemon::impatient(&bus);
+    assert_eq!(second.first, None);
+    std::thread::sleep(Duration::from_millis(300));
+    first.stop();
+    assert_eq!(bus.status(Duration::from_secs(3)).unwrap().mode, "starting");
+    assert_stops_soon(second);
+}
+
+#[test]
 fn nobody_there_tells_how_to_start_one() {
     let bus = Bus::new();
     let error = bus.client().status().unwrap_err();

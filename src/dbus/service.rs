@@ -57,7 +57,7 @@ pub struct Service {
 
 /// The thread's body; ends within 0.2 s after the daemon is stopping.
 ///
-/// The outcome of the first attempt goes to `first`; after a fatal one ([`DbusError::fatal`]) the
+/// The outcome of the first attempt goes to `first`; after a fatal one ([`DbusError::fatal`]) that was heard there the
 /// thread ends, after any other it goes on trying, as it does whenever the bus goes away.
 pub fn run(service: &Service, first: SyncSender<Result<(), DbusError>>) {
     zbus::block_on(async {
@@ -106,11 +106,8 @@ impl Serving<'_> {
 
     async fn serve(&self, first: SyncSender<Result<(), DbusError>>) {
         let mut first = Some(first);
-        let mut report = move |outcome| {
-            if let Some(first) = first.take() {
-                let _ = first.try_send(outcome);
-            }
-        };
+        // Whether it was heard: whoever waited for the outcome may have gone on without it.
+        let mut report = move |outcome| first.take().is_some_and(|first| first.try_send(outcome).is_ok());
         let mut backoff = BACKOFF_FIRST;
         let mut told = None;
         let mut attempts = 0_u32;
@@ -136,8 +133,7 @@ impl Serving<'_> {
                     log::warn!("D-Bus: {} went away; connecting again", place(&self.service.bus));
                 }
                 Err(error) => {
-                    report(Err(error.clone()));
-                    if attempts == 1 && error.fatal() {
+                    if report(Err(error.clone())) && error.fatal() {
                         return;
                     }
                     if told.as_ref() != Some(&error) {

@@ -240,7 +240,16 @@ impl Daemon {
         Self::telling(bus, ServiceInfo { update: period, ..info() })
     }
 
+    /// One that has not waited for the first outcome.
+    pub fn impatient(bus: &Bus) -> Self {
+        Self::waiting(bus, info(), Duration::ZERO)
+    }
+
     fn telling(bus: &Bus, info: ServiceInfo) -> Self {
+        Self::waiting(bus, info, Duration::from_secs(6))
+    }
+
+    fn waiting(bus: &Bus, info: ServiceInfo, patience: Duration) -> Self {
         let shared = Arc::new(Shared::default());
         let taps = Arc::new(Taps::default());
         let (info, reload) = (Mutex::new(Arc::new(info)), Mutex::new(Ok(())));
@@ -249,7 +258,7 @@ impl Daemon {
             Service { bus: bus.choice(), shared: shared.clone(), taps: taps.clone(), control: control.clone() };
         let (sender, first) = sync_channel(1);
         let thread = std::thread::Builder::new().name("dbus".into()).spawn(move || run(&service, sender)).unwrap();
-        let first = first.recv_timeout(Duration::from_secs(6)).ok();
+        let first = first.recv_timeout(patience).ok();
         Self { shared, taps, control, first, thread: Some(thread) }
     }
 
