@@ -8,7 +8,7 @@
 
 use super::driver::{AdcError, Ads1115};
 use super::ready::ReadyLine;
-use super::registers::Conversion;
+use super::registers::{Conversion, Rate};
 use super::setup::Plan;
 use super::timing::{Clock, abandon, longest, patience, shortest};
 use crate::bus::{BusError, WordBus};
@@ -27,14 +27,15 @@ const QUIET: Duration = Duration::from_secs(10);
 enum State {
     /// It is not, for this reason; not tried again before this time.
     Unset(AdcError, Time),
-    /// It is; a conversion from before may be under way until this time.
-    Set(Time),
+    /// It is.
+    Set,
 }
 
 /// A conversion that was started; in continuous mode, the next one not yet read.
 #[derive(Clone, Copy, Debug)]
 struct Flight {
-    /// What is measured; `None` when the start failed and nobody knows whether it was heard.
+    /// What is measured; `None` for one from before it was set up, and when the start failed and nobody knows whether it was
+    /// heard.
     slot: Option<usize>,
     /// It cannot end before.
     earliest: Time,
@@ -44,6 +45,14 @@ struct Flight {
     abandoned: Time,
     /// It was seen to have ended.
     landed: bool,
+}
+
+impl Flight {
+    /// One started between two times.
+    fn new(slot: Option<usize>, rate: Rate, (before, after): (Time, Time)) -> Self {
+        let (earliest, expected, abandoned) = (before + shortest(rate), after + longest(rate), after + abandon(rate));
+        Self { slot, earliest, expected, abandoned, landed: false }
+    }
 }
 
 /// What the data-ready line said of a conversion.
@@ -127,7 +136,7 @@ impl<C: Clock> Converter<C> {
     /// One bounded attempt at `slot`, which is one of the plan's.
     pub fn measure(&mut self, slot: usize) -> Result<Measured, AdcError> {
         let measured = self.attempt(slot);
-        if let (Err(why @ AdcError::Foreign { .. }), State::Set(_)) = (measured, self.state) {
+        if let (Err(why @ AdcError::Foreign { .. }), State::Set) = (measured, self.state) {
             // It was ours a moment ago: it is set up again with the next attempt.
             let now = self.clock.now();
             self.unset(why, now);
@@ -141,7 +150,7 @@ impl<C: Clock> Converter<C> {
         match self.state {
             State::Unset(why, again) if now < again => return Err(why),
             State::Unset(..) => self.set_up()?,
-            State::Set(_) => {}
+            State::Set => {}
         }
         let deadline = now + patience(self.plan.slowest());
         let stale = |f: Flight| !self.continuous() && now > f.expected + STALE;
@@ -186,7 +195,10 @@ impl<C: Clock> Converter<C> {
         let done = self.adc().and_then(|adc| adc.prepare(channel));
         let now = self.clock.now();
         match done {
-            Ok(busy) => self.state = State::Set(now + busy),
+            Ok(under_way) => {
+                self.state = State::Set;
+                self.flight = under_way.map(|rate| Flight::new(None, rate, (now, now)));
+            }
             Err(e @ AdcError::Foreign { .. }) => self.unset(e, now + RETRY),
             Err(e) => self.unset(e, now),
         }
@@ -209,7 +221,7 @@ impl<C: Clock> Converter<C> {
         let now = self.clock.now();
         match (self.flight, self.state) {
             (_, State::Unset(why, _)) => Err(why),
-            (None, State::Set(free)) => Ok(now >= free),
+            (None, State::Set) => Ok(true),
             (Some(f), _) if f.landed || now >= f.abandoned => Ok(true),
             (Some(f), _) => Ok(now >= f.expected && self.adc()?.is_idle()?),
         }
@@ -222,23 +234,13 @@ impl<C: Clock> Converter<C> {
         let before = self.clock.now();
         let done = self.adc().and_then(|adc| adc.start(channel));
         let after = self.clock.now();
-        self.flight = Some(Flight {
-            slot: done.is_ok().then_some(slot),
-            earliest: before + shortest(channel.rate),
-            expected: after + longest(channel.rate),
-            abandoned: after + abandon(channel.rate),
-            landed: false,
-        });
+        self.flight = Some(Flight::new(done.is_ok().then_some(slot), channel.rate, (before, after)));
         done
     }
 
     /// Waits until a start would be heard, at most until `deadline`.
     fn wait_free(&mut self, deadline: Time) -> Result<(), AdcError> {
-        let from = match (self.flight, self.state) {
-            (Some(f), _) if !f.landed => f.expected,
-            (None, State::Set(free)) => free,
-            _ => Time::default(),
-        };
+        let from = self.flight.filter(|f| !f.landed).map_or(Time::default(), |f| f.expected);
         self.poll(from, deadline, Self::is_free)
     }
 

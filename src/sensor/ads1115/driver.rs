@@ -7,7 +7,6 @@ use crate::bus::{BusError, WordBus};
 use crate::config::settings::AdcInput;
 use crate::frame::Missing;
 use std::fmt;
-use std::time::Duration;
 
 /// COMP_MODE 4, which says nothing while the comparator is off: written 1 then, 0 after a reset. So the settings of no
 /// channel are those after a reset, and a supply that drops is seen whatever is measured.
@@ -101,10 +100,9 @@ impl<B: WordBus + ?Sized> Ads1115<B> {
     }
 
     /// Stops what the chip does, sets it up, and sees whether registers keep what they are told.
-    /// Gives how long a conversion from before may still be under way.
-    pub fn prepare(&mut self, channel: Channel) -> Result<Duration, AdcError> {
+    /// Gives the rate of a conversion from before that may still be under way.
+    pub fn prepare(&mut self, channel: Channel) -> Result<Option<Rate>, AdcError> {
         let before = Config::decode(self.read_register(CONFIG)?);
-        let busy = if before.os { Duration::ZERO } else { super::timing::longest(before.rate) };
         // Written with OS clear in single-shot mode: powers down after the conversion under way.
         let Channel { input, gain, rate } = channel;
         let idle =
@@ -117,7 +115,7 @@ impl<B: WordBus + ?Sized> Ads1115<B> {
             self.expect(HI_THRESH, READY_HI, u16::MAX)?;
         }
         self.expect(CONFIG, word(idle), KEPT)?;
-        Ok(busy)
+        Ok((!before.os).then_some(before.rate))
     }
 
     /// Starts a conversion of `channel`, or conversions all the time. While a single one is under

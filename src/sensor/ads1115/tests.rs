@@ -330,6 +330,19 @@ fn a_line_that_cannot_be_had_leaves_polling() {
     assert_eq!(chip.health(0).counters.not_ready, 0);
 }
 
+/// However long it takes: a start beside it would not be heard, and its result would look like the new one's.
+#[test]
+fn a_conversion_from_before_is_waited_out() {
+    let world = World::new();
+    let mut before = opened(&world, 2, false);
+    world.world().usual = Course { factor: 6.0, ..Course::IDEAL };
+    assert_eq!(before.read(1), Err(Missing::NotReady));
+    world.world().usual = Course::IDEAL;
+    let mut chip = opened(&world, 2, false);
+    chip.begin();
+    assert_eq!(origin(chip.read(0)).0, MUX[0]);
+}
+
 /// Anything at all.
 fn wild() -> impl Strategy<Value = Course> {
     let edge = || 0..8 * NOMINAL;
