@@ -1,10 +1,12 @@
 //! What the means of opposed sensors tell: a pair shows the attitude by what its sensors differ by, and by their mean whether
 //! one of them is off.
 
-use super::solve::{Solved, Solver};
+use super::shape::ShapeLearner;
+use super::solve::Solved;
 use crate::estimator::vector::dot;
 use crate::frame::Frame;
 use crate::head::Head;
+use crate::sky::PairCurve;
 
 /// A pair's mean is off by half of what one of its sensors is, and the attitude that goes along with that sensor explains up to
 /// half of that.
@@ -14,27 +16,57 @@ const SHOWN: f64 = 0.25;
 const TOLERANCE_K: f64 = 0.5;
 const TOLERANCE: f64 = 0.2;
 
-/// What one sensor of `head` may be off by in `frame`, K: by how much more the means of two pairs part than what was `solved`,
-/// with ground and sky as `sign` tells and a shape that is known to `sigma`, explains. 0 for a head that shows differences
-/// alone.
-pub fn off_k(head: &Head, frame: &Frame, solver: &Solver, (solved, sign): (&Solved, f64), sigma: f64) -> f64 {
-    let contrast_k = sign * solved.contrast_k;
-    // The ground, as the pair tells it, how that goes with the shape, and with what is else not as it is taken.
-    let ground = |i: usize| {
-        let sine = dot(head.pairs[i].direction.components(), solved.vertical);
-        let [below, by_share] = solver.mean(sine);
-        let ground_k = head.mean_k(i, frame)? + contrast_k * below;
-        Some([ground_k, contrast_k * by_share * sigma, contrast_k * sine * sine * TOLERANCE])
-    };
-    let beyond = |one: [f64; 3], other: [f64; 3]| {
-        let [parts_k, by_shape_k, by_view_k] = [0, 1, 2].map(|k| one[k] - other[k]);
-        (parts_k.abs() - TOLERANCE_K.hypot(by_shape_k).hypot(by_view_k)) / SHOWN
-    };
-    let pairs = || (0..head.pairs.len()).filter_map(ground);
-    pairs()
-        .enumerate()
-        .flat_map(|(i, one)| pairs().skip(i + 1).map(move |other| beyond(one, other)))
-        .fold(0.0, f64::max)
+/// Intervals of the table.
+const INTERVALS: usize = 64;
+
+/// What the means of a head's pairs tell.
+#[derive(Clone, Debug)]
+pub struct Means {
+    /// Over the sine of a pair's elevation: by how much its mean lies below the ground, over the contrast, by one curve, and how
+    /// much more by the other.
+    below: Vec<[f64; 2]>,
+    /// The ground as each pair tells it, K or °C; how that goes with the shape, and with what else is not as it is taken.
+    grounds: Vec<[f64; 3]>,
+}
+
+impl Means {
+    /// For so many pairs, under a sky with a shape between those of two curves.
+    pub fn new(pairs: usize, [one, other]: &[PairCurve; 2]) -> Self {
+        let below = |i: usize| {
+            let [one, other] = [one, other].map(|curve| curve.mean(i as f64 / INTERVALS as f64));
+            [one, other - one]
+        };
+        Self { below: (0..=INTERVALS).map(below).collect(), grounds: Vec::with_capacity(pairs) }
+    }
+
+    /// What one sensor of `head` may be off by in `frame`, K: by how much more the means of two pairs part than what was
+    /// `solved`, with ground and sky as `sign` tells and a shape that is known so well, explains. 0 for a head that shows
+    /// differences alone.
+    pub fn off_k(&mut self, head: &Head, frame: &Frame, (solved, sign): (&Solved, f64), shape: &ShapeLearner) -> f64 {
+        let contrast_k = sign * solved.contrast_k;
+        self.grounds.clear();
+        self.grounds.extend(head.pairs.iter().enumerate().filter_map(|(i, pair)| {
+            let mean_k = head.mean_k(i, frame)?;
+            let sine = dot(pair.direction.components(), solved.vertical);
+            let place = sine.abs().min(1.0) * INTERVALS as f64;
+            let cell = (place as usize).min(INTERVALS - 1);
+            let [one, more] = [0, 1].map(|k| {
+                let [low, high] = [self.below[cell][k], self.below[cell + 1][k]];
+                low + (place - cell as f64) * (high - low)
+            });
+            let below = [one + shape.share() * more, more * shape.sigma(), sine * sine * TOLERANCE];
+            let [ground, by_shape, by_view] = below.map(|b| contrast_k * b);
+            Some([mean_k + ground, by_shape, by_view])
+        }));
+        let beyond = |one: &[f64; 3], other: &[f64; 3]| {
+            let [parts_k, by_shape_k, by_view_k] = [0, 1, 2].map(|k| one[k] - other[k]);
+            let known_k2 = TOLERANCE_K * TOLERANCE_K + by_shape_k * by_shape_k + by_view_k * by_view_k;
+            (parts_k.abs() - known_k2.sqrt()) / SHOWN
+        };
+        let pairs = self.grounds.iter().enumerate();
+        let beyond = pairs.flat_map(|(i, one)| self.grounds[i + 1..].iter().map(move |other| beyond(one, other)));
+        beyond.fold(0.0, f64::max)
+    }
 }
 
 #[cfg(test)]
@@ -44,6 +76,8 @@ mod tests {
     use crate::direction::Direction;
     use crate::estimator::Estimator;
     use crate::estimator::profile::ProfileEstimator;
+    use crate::estimator::profile::shape::POSSIBLE;
+    use crate::estimator::profile::solve::Solver;
     use crate::frame::{Sample, Value};
     use crate::sky::{Averaging, FieldOfView, Response, Sky};
     use crate::time::Time;
@@ -71,12 +105,14 @@ mod tests {
     #[test]
     fn in_the_model_s_own_sky_nothing_is_off_and_a_sensor_that_is_shows() {
         let (head, response) = (Head::six(), response());
+        let curve = response.pair_curve(SKY.ground_c, SKY.sky_max_k);
         let directions: Vec<_> = head.pairs.iter().map(|p| p.direction).collect();
-        let solver = Solver::new(&directions, response.pair_curve(SKY.ground_c, SKY.sky_max_k)).unwrap();
-        let off = |attitude, who| {
+        let solver = Solver::new(&directions, curve.clone()).unwrap();
+        let mut means = Means::new(3, &[curve.clone(), curve]);
+        let mut off = |attitude, who| {
             let frame = frame(&response, attitude, who);
             let signals: Vec<_> = (0..3).map(|i| head.signal_k(i, &frame).ok()).collect();
-            off_k(&head, &frame, &solver, (&solver.solve(&signals).unwrap(), 1.0), 0.0)
+            means.off_k(&head, &frame, (&solver.solve(&signals).unwrap(), 1.0), &ShapeLearner::new(POSSIBLE))
         };
         for (roll, pitch) in (-12..=12).flat_map(|roll| (-6..=6).map(move |pitch| (roll, pitch))) {
             let attitude = Attitude::from_degrees(15.0 * f64::from(roll), 15.0 * f64::from(pitch));

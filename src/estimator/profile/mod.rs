@@ -29,6 +29,7 @@ use crate::frame::Frame;
 use crate::head::Head;
 use crate::sky::{Averaging, FieldOfView, PairCurve, Response, Shape, Sky};
 use crate::time::Time;
+use means::Means;
 use motion::Motion;
 use output::{Seen, attitude};
 use range::AdaptiveRange;
@@ -55,6 +56,7 @@ pub struct ProfileEstimator {
     flight: Option<InFlight>,
     solver: Option<Solver>,
     signals: Vec<Option<f64>>,
+    means: Means,
     range: AdaptiveRange,
     sides: Sides,
     /// Ground and sky looked exchanged in the last frame.
@@ -94,6 +96,7 @@ impl ProfileEstimator {
     fn with_curves(head: Head, curves: [PairCurve; 2], range_s: f64) -> Self {
         let directions: Vec<Direction> = head.pairs.iter().map(|p| p.direction).collect();
         Self {
+            means: Means::new(directions.len(), &curves),
             solver: Solver::between(&directions, curves),
             signals: vec![None; directions.len()],
             head,
@@ -169,7 +172,7 @@ impl Estimator for ProfileEstimator {
         self.exchanged = sign < 0.0;
         let seen = match &mut self.flight {
             Some(flight) => {
-                let off_k = means::off_k(&self.head, frame, solver, (&solved, sign), flight.shape.sigma());
+                let off_k = self.means.off_k(&self.head, frame, (&solved, sign), &flight.shape);
                 Seen { off_k, ..flight.learn(solver, &self.signals, (&solved, sign), time) }
             }
             None => Seen::alone(solved.vertical.map(|c| sign * c)),

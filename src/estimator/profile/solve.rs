@@ -167,13 +167,6 @@ impl Solver {
         Some((add_scaled(other, -contrast, pull), contrast))
     }
 
-    /// By how much the mean of a pair's two sensors lies below the ground, over the contrast, where its direction has that
-    /// sine; and how that goes with the share of the second curve.
-    pub fn mean(&self, sine: f64) -> [f64; 2] {
-        let [one, other] = [0, 1].map(|i: usize| self.curves[i].mean(sine));
-        [one + self.inverse.share() * (other - one), other - one]
-    }
-
     fn present<'a>(&'a self, signals: &'a [Option<f64>]) -> Option<Present<'a>> {
         let mut present = Present { solver: self, signals, normal: self.all, largest_k: 0.0, count: 0 };
         let (mut normal, mut largest_k, mut count) = (Normal::default(), 0.0_f64, 0);
