@@ -11,7 +11,7 @@ use crate::sky::PairCurve;
 /// A pair's mean is off by half of what one of its sensors is, and the attitude that goes along with that sensor explains up to
 /// half of that.
 const SHOWN: f64 = 0.25;
-/// What means part by all the same: by the sensors' own tolerance, K (MLX90614, table 8: ±0.5 °C each), and where they look at
+/// What means part by all the same: by the sensors' own tolerance, K (MLX90614, features: ±0.5 °C each), and where they look at
 /// different elevations by a field of view and an averaging that are not as they are taken, as a share of the contrast.
 const TOLERANCE_K: f64 = 0.5;
 const TOLERANCE: f64 = 0.2;
