@@ -2,12 +2,9 @@
 
 use super::findings::Findings;
 use super::sensor::{Read, Sensors};
-use super::settings::{DeviceSettings, LineSettings, MavlinkSettings, Method, Settings};
+use super::settings::{AUTOPILOT, DeviceSettings, LineSettings, MavlinkSettings, Method, Settings};
 use super::source::Place;
 use crate::direction::Direction;
-
-/// MAV_COMP_ID_AUTOPILOT1.
-const AUTOPILOT: u8 = 1;
 
 /// Runs every check; `lamp` is the place of `[faults] lamp`.
 pub fn check(settings: &Settings, sensors: &Sensors<'_>, lamp: Place, findings: &Findings<'_>) {

@@ -5,7 +5,9 @@ mod sensor;
 mod simulation;
 
 pub use super::method::Method;
-pub use publishing::{BusAddress, DbusSettings, EndpointAddress, EndpointSettings, MavlinkSettings, Streams};
+pub use publishing::{
+    AUTOPILOT, BusAddress, DbusSettings, EndpointAddress, EndpointSettings, MavlinkSettings, Streams,
+};
 pub use sensor::{
     AdcInput, Ads1115Settings, DeviceSettings, LineSettings, Mlx90614Settings, PecPolicy, SensorSettings,
 };

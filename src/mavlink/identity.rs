@@ -1,11 +1,10 @@
 //! Which autopilot is listened to, and whose system this daemon is a part of. Pure.
 
 use super::deframe::Packet;
+use crate::config::settings::AUTOPILOT;
 
 /// HEARTBEAT, whose bytes are looked at as they are: a parser refuses a kind of vehicle that it does not know.
 const HEARTBEAT: u32 = 0;
-/// MAV_COMP_ID_AUTOPILOT1.
-const AUTOPILOT: u8 = 1;
 /// MAV_AUTOPILOT_INVALID: no autopilot.
 const INVALID: u8 = 8;
 /// MAV_AUTOPILOT_ARDUPILOTMEGA.

@@ -89,24 +89,22 @@ impl Response {
     /// The pair's contrast, shape and its inverse. With averaging in temperature the shape does not
     /// depend on the arguments, and the contrast is proportional to `sky_max_k`.
     pub fn pair_curve(&self, ground_c: f64, sky_max_k: f64) -> PairCurve {
-        let at = |i: usize, sky_max_k: f64| {
-            let sin = (i as f64 / STEPS_PER_DEG as f64).to_radians().sin();
-            self.pair_k(sin, ground_c, sky_max_k)
-        };
         // Without a contrast there is no shape to see; that of a small one stands in for it.
         let visible_k = if sky_max_k.abs() < 0.01 { 0.01 } else { sky_max_k };
-        let mut g: Vec<f64> = (0..=QUARTER).map(|i| at(i, visible_k) / at(QUARTER, visible_k)).collect();
+        let whole_k = self.pair_k(1.0, ground_c, visible_k);
+        let (mut g, mean): (Vec<f64>, Vec<f64>) = (0..=QUARTER)
+            .map(|i| {
+                let sin = (i as f64 / STEPS_PER_DEG as f64).to_radians().sin();
+                let [low, high] = [-sin, sin].map(|sin| self.sensor_c(sin, ground_c, visible_k));
+                ((low - high) / whole_k, (ground_c - 0.5 * (low + high)) / whole_k)
+            })
+            .unzip();
         // Rounding away, and whatever is not a number.
         g[0] = 0.0;
         for i in 1..g.len() {
             g[i] = g[i].max(g[i - 1]).min(1.0);
         }
-        let mean = |i: usize| {
-            let sin = (i as f64 / STEPS_PER_DEG as f64).to_radians().sin();
-            let shown = [sin, -sin].map(|sin| self.sensor_c(sin, ground_c, visible_k));
-            (ground_c - 0.5 * (shown[0] + shown[1])) / at(QUARTER, visible_k)
-        };
-        PairCurve { contrast_k: at(QUARTER, sky_max_k), g, mean: (0..=QUARTER).map(mean).collect() }
+        PairCurve { contrast_k: self.pair_k(1.0, ground_c, sky_max_k), g, mean }
     }
 }
 
@@ -116,6 +114,7 @@ pub struct PairCurve {
     contrast_k: f64,
     /// From 0° to 90°.
     g: Vec<f64>,
+    /// The same for [`mean`](Self::mean).
     mean: Vec<f64>,
 }
 

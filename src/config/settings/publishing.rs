@@ -62,6 +62,9 @@ pub struct EndpointSettings {
     pub tlog: Option<PathBuf>,
 }
 
+/// MAV_COMP_ID_AUTOPILOT1: the autopilot's component id.
+pub const AUTOPILOT: u8 = 1;
+
 /// `[mavlink]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MavlinkSettings {

@@ -56,7 +56,6 @@ pub struct ProfileEstimator {
     flight: Option<InFlight>,
     solver: Option<Solver>,
     signals: Vec<Option<f64>>,
-    means: Means,
     range: AdaptiveRange,
     sides: Sides,
     /// Ground and sky looked exchanged in the last frame.
@@ -68,6 +67,7 @@ pub struct ProfileEstimator {
 #[derive(Clone, Debug)]
 struct InFlight {
     shape: ShapeLearner,
+    means: Means,
     motion: Motion,
 }
 
@@ -85,18 +85,18 @@ impl ProfileEstimator {
         let Sky { shape, ground_c, sky_max_k } = Sky::NAMIBIA;
         let curves =
             [shape, HUMID].map(|s| Response::new(s, field, Averaging::Temperature).pair_curve(ground_c, sky_max_k));
+        let means = Means::new(head.pairs.len(), &curves);
         let mut method = Self::with_curves(head, curves, range_time_constant_s);
         let shares = method.solver.as_ref().map_or(shape::POSSIBLE, Solver::shares);
         let shape = ShapeLearner::new(shares);
         method.solver.iter_mut().for_each(|s| s.set_share(shape.share()));
-        method.flight = Some(InFlight { shape, motion: Motion::new(lag_s) });
+        method.flight = Some(InFlight { shape, means, motion: Motion::new(lag_s) });
         method
     }
 
     fn with_curves(head: Head, curves: [PairCurve; 2], range_s: f64) -> Self {
         let directions: Vec<Direction> = head.pairs.iter().map(|p| p.direction).collect();
         Self {
-            means: Means::new(directions.len(), &curves),
             solver: Solver::between(&directions, curves),
             signals: vec![None; directions.len()],
             head,
@@ -123,12 +123,13 @@ impl ProfileEstimator {
 
 impl InFlight {
     /// The vertical at `time` and its doubts: of what `solved` says of `signals` with ground and sky as `sign` tells, and of
-    /// what was seen before. The solver is told the shape that is learnt.
+    /// what was seen before; one sensor may be off by `off_k`, K. The solver is told the shape that is learnt.
     fn learn(
         &mut self,
         solver: &mut Solver,
         signals: &[Option<f64>],
         (solved, sign): (&Solved, f64),
+        off_k: f64,
         time: Time,
     ) -> Seen {
         let up = solved.vertical.map(|c| sign * c);
@@ -142,7 +143,7 @@ impl InFlight {
         }
         let noise = PAIR_NOISE_K.hypot(solved.residual_k) / (PAIR_SLOPE * solved.contrast_k);
         let moved = self.motion.update(up, noise, time);
-        Seen { moved, by_shape, unseen: unseen_lean(moved.up), off_k: 0.0 }
+        Seen { moved, by_shape, unseen: unseen_lean(moved.up), off_k }
     }
 }
 
@@ -172,8 +173,8 @@ impl Estimator for ProfileEstimator {
         self.exchanged = sign < 0.0;
         let seen = match &mut self.flight {
             Some(flight) => {
-                let off_k = self.means.off_k(&self.head, frame, (&solved, sign), &flight.shape);
-                Seen { off_k, ..flight.learn(solver, &self.signals, (&solved, sign), time) }
+                let off_k = flight.means.off_k(&self.head, frame, (&solved, sign), &flight.shape);
+                flight.learn(solver, &self.signals, (&solved, sign), off_k, time)
             }
             None => Seen::alone(solved.vertical.map(|c| sign * c)),
         };
