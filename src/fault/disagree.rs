@@ -1,5 +1,7 @@
 //! Roll and pitch against the turn and the climb that are flown, and whether the head is wired as it is configured.
 
+mod scale;
+
 use super::debounce::Debounce;
 use super::wired::Wired;
 use super::{ActiveFault, Evidence, FaultKind};
@@ -8,6 +10,7 @@ use crate::estimator::Solution;
 use crate::estimator::references::{Angle, References, STEEPEST};
 use crate::frame::Aiding;
 use crate::time::Time;
+use scale::Scale;
 use std::f64::consts::FRAC_PI_2;
 
 /// Over this time differences are averaged, s.
@@ -45,6 +48,7 @@ struct Difference {
 pub struct Disagree {
     limit: f64,
     wired: Wired,
+    scale: Scale,
     references: References,
     roll: Difference,
     pitch: Difference,
@@ -64,7 +68,15 @@ impl Disagree {
             disagrees: Debounce::new(LASTS_S.0, LASTS_S.1),
         };
         let references = References::default();
-        Self { limit, wired: Wired::default(), references, roll: none, pitch: none, pitched: (0.0, 0.0) }
+        Self {
+            limit,
+            wired: Wired::default(),
+            scale: Scale::default(),
+            references,
+            roll: none,
+            pitch: none,
+            pitched: (0.0, 0.0),
+        }
     }
 
     /// Another difference from which they disagree, rad.
@@ -81,8 +93,8 @@ impl Disagree {
     /// nothing is compared, and what was compared ends.
     pub fn update(&mut self, attitude: Option<(Attitude, Attitude)>, aiding: &Aiding, now: Time) {
         let Some((attitude, sigma)) = attitude else {
-            let wired = std::mem::take(&mut self.wired);
-            *self = Self { wired, ..Self::new(self.limit) };
+            let (wired, scale) = (std::mem::take(&mut self.wired), std::mem::take(&mut self.scale));
+            *self = Self { wired, scale, ..Self::new(self.limit) };
             return;
         };
         let heard = self.references.hear(aiding, attitude.roll, now);
@@ -92,6 +104,7 @@ impl Disagree {
         self.wired.compare(attitude, references.map(|r| r.filter(|_| flying)));
         if let Some((bank, roll)) = heard.bank {
             if roll.abs() < FLYING.roll && attitude.pitch.abs() < FLYING.pitch {
+                self.scale.compare(roll, bank, now);
                 // How steep a steep one is nobody knows: one of the two that is disagrees by so much at least.
                 let [roll, angle] = [roll, bank.angle].map(|a| a.clamp(-STEEPEST, STEEPEST));
                 self.roll.compare(roll, Angle { angle, ..bank }, now);
@@ -104,6 +117,7 @@ impl Disagree {
             self.pitched = (0.0, 0.0);
             self.pitch.compare(pitch, climb, now);
         }
+        self.scale.judge(attitude, now);
         self.roll.judge(self.limit, sigma.roll, now);
         self.pitch.judge(self.limit, sigma.pitch, now);
     }
@@ -113,8 +127,9 @@ impl Disagree {
     pub fn doubt(&self, left_out: bool) -> Attitude {
         let share = if left_out { 1.0 } else { 0.5 };
         let of = |d: &Difference| if d.disagrees.is_active() { share * d.found } else { 0.0 };
-        let wired = self.wired.doubt();
-        Attitude { roll: of(&self.roll).max(wired.roll), pitch: of(&self.pitch).max(wired.pitch) }
+        let [wired, scale] = [self.wired.doubt(), self.scale.doubt()];
+        let [roll, pitch] = [of(&self.roll).max(wired.roll), of(&self.pitch).max(wired.pitch)];
+        Attitude { roll: roll.max(scale.roll), pitch: pitch.max(scale.pitch) }
     }
 
     /// Adds what is there to `faults`.
@@ -124,8 +139,10 @@ impl Disagree {
             let [value, limit] = [d.mean, self.limit].map(f64::to_degrees);
             if d.disagrees.is_active() {
                 d.disagrees.report(kind, Evidence::Limit { value, limit, unit: "°" }, faults);
-            } else {
+            } else if self.wired.tells(angle) {
                 self.wired.report(angle, kind, faults);
+            } else if kind == FaultKind::RollDisagrees {
+                self.scale.report(faults);
             }
         }
     }

@@ -11,6 +11,8 @@ use crate::time::Time;
 use std::f64::consts::PI;
 use ways::Ways;
 
+pub(super) use ways::{ASKEW, REMEMBERED_S};
+
 /// Seconds for which it must be gone; the method has taken its time to find it.
 const GONE_S: f64 = 3.0;
 /// The percentage of the squares of what turns that is left, from which on it turns otherwise.
@@ -58,6 +60,11 @@ impl Wired {
     /// What to add to the standard deviations of roll and pitch: how far off they are if the head is wired so.
     pub fn doubt(&self) -> Attitude {
         self.doubt
+    }
+
+    /// Whether `angle` (0 is roll, 1 pitch) turns otherwise.
+    pub fn tells(&self, angle: usize) -> bool {
+        self.angles[angle].is_active()
     }
 
     /// Adds `kind` to `faults` where `angle` (0 is roll, 1 pitch) turns otherwise.

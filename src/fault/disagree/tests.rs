@@ -174,3 +174,58 @@ fn what_is_no_number_says_nothing() {
         }
     }
 }
+
+/// Circuits of so many seconds, with turns to both sides, in which such a share of the bank is said, and so much more, °.
+fn circuits(flight: &mut Flight, seconds: u32, bank_deg: f64, share: f64, more_deg: f64) {
+    for second in 0..seconds {
+        let flown_deg = [0.0, 1.0, 0.0, -1.0][(second / 8 % 4) as usize] * bank_deg;
+        flight.fly(1.0, (share * flown_deg + more_deg, 0.0), (flown_deg, 0.0));
+    }
+}
+
+#[test]
+fn a_roll_that_is_always_a_share_of_the_bank_is_told_and_doubted_by_what_is_missing() {
+    // Too little for the mean of five seconds, but all of it wrong.
+    for (share, bank_deg) in [(0.5, 20.0), (0.55, 24.0), (0.3, 15.0), (1.6, 18.0)] {
+        let mut flight = Flight::new();
+        circuits(&mut flight, 120, bank_deg, share, 0.0);
+        assert_eq!(flight.told(), [FaultKind::RollDisagrees], "{share} of {bank_deg}°");
+        let (percent, unit) = value(&told(|f| flight.disagree.report(f))[0]);
+        assert!((percent - 100.0 * share).abs() < 5.0 && unit == "%", "{share}: {percent} %");
+        flight.fly(2.0, (share * bank_deg, share * 6.0), (bank_deg, 6.0));
+        let doubt = flight.disagree.doubt(false);
+        let expected = Attitude::from_degrees(bank_deg, 6.0);
+        let missing = [doubt.roll / expected.roll, doubt.pitch / expected.pitch];
+        assert!(missing.iter().all(|m| (m - (1.0 - share).abs()).abs() < 0.05), "{share}: {missing:?}");
+        // When it is right again it is over.
+        circuits(&mut flight, 150, bank_deg, 1.0, 0.0);
+        assert_eq!((flight.told(), flight.disagree.doubt(false)), (vec![], Attitude::default()), "{share}");
+    }
+}
+
+#[test]
+fn a_head_that_sits_askew_and_one_that_flies_straight_on_have_no_wrong_scale() {
+    for (share, bank_deg, more_deg) in
+        [(1.0, 25.0, 8.0), (1.0, 25.0, -8.0), (0.8, 25.0, 0.0), (0.0, 3.0, 0.0), (0.5, 5.0, 5.0)]
+    {
+        let mut flight = Flight::new();
+        circuits(&mut flight, 300, bank_deg, share, more_deg);
+        assert_eq!(flight.told(), [], "{share} of {bank_deg}° and {more_deg}°");
+    }
+}
+
+#[test]
+fn a_wrong_scale_ends_without_gps_and_outlasts_a_withheld_attitude() {
+    let off = || {
+        let mut flight = Flight::new();
+        circuits(&mut flight, 120, 20.0, 0.5, 0.0);
+        assert_eq!(flight.told(), [FaultKind::RollDisagrees]);
+        flight
+    };
+    let mut withheld = off();
+    withheld.with(2.0, None, (20.0, 0.0), |_| {});
+    assert_eq!(withheld.told(), [FaultKind::RollDisagrees]);
+    let mut silent = off();
+    silent.with(8.0, Some((10.0, 0.0)), (20.0, 0.0), |a| *a = Aiding::default());
+    assert_eq!((silent.told(), silent.disagree.doubt(false)), (vec![], Attitude::default()));
+}

@@ -7,7 +7,7 @@ use crate::estimator::vector::{Vector, add_scaled};
 use crate::estimator::wiring::Wiring;
 
 /// What is compared is remembered for about so long, s: to roll and to pitch hardly more than once a minute is usual.
-const REMEMBERED_S: f64 = 120.0;
+pub const REMEMBERED_S: f64 = 120.0;
 /// A reference's error lasts so long, s.
 const CORRELATION_S: f64 = 2.0;
 /// By so much the squares of what is left, in σ², are smaller by the way that is believed than as it is configured, and
@@ -17,7 +17,7 @@ const LEFT: (f64, f64) = (0.3, 0.6);
 /// Ways that differ by less are about as good, σ².
 const AS_GOOD: f64 = 10.0;
 /// A head may sit askew by about so much (1σ), rad: what is always the same of a difference tells no more.
-const ASKEW: f64 = 8_f64.to_radians();
+pub const ASKEW: f64 = 8_f64.to_radians();
 
 /// Compares what is flown with each way to wire the head.
 #[derive(Clone, Debug, Default)]

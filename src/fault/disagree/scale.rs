@@ -1,0 +1,94 @@
+//! Roll that is always the same share of the bank that is flown: what all is divided by is wrong.
+
+use super::{CORRELATION_S, FLYING, LASTS_S, STALE_S};
+use crate::attitude::Attitude;
+use crate::estimator::references::{Angle, STEEPEST};
+use crate::fault::debounce::Debounce;
+use crate::fault::wired::{ASKEW, REMEMBERED_S};
+use crate::fault::{ActiveFault, Evidence, FaultKind};
+use crate::time::Time;
+
+/// So many times one of them must be the other, and is no more below the second.
+const TIMES: (f64, f64) = (1.3, 1.15);
+/// By so much the squares of the difference, in σ², must be smaller without it.
+const SMALLER: f64 = 9.0;
+
+/// Sees that roll is too small, or too large, by a factor. Where nothing is flown but straight on it says nothing.
+#[derive(Clone, Debug)]
+pub struct Scale {
+    /// The sums of weights, of roll, of bank, and of their squares and product, faded.
+    sums: [f64; 6],
+    heard: Option<Time>,
+    /// Whether it is there, by the last that was heard.
+    there: bool,
+    /// What is flown to what is shown.
+    factor: f64,
+    amiss: Debounce,
+    doubt: Attitude,
+}
+
+impl Default for Scale {
+    fn default() -> Self {
+        Self {
+            sums: [0.0; 6],
+            heard: None,
+            there: false,
+            factor: 1.0,
+            amiss: Debounce::new(LASTS_S.0, LASTS_S.1),
+            doubt: Attitude::default(),
+        }
+    }
+}
+
+impl Scale {
+    /// Takes in the mean of roll over the time of a turn, and the bank of that turn.
+    pub fn compare(&mut self, roll: f64, bank: Angle, now: Time) {
+        // How steep a steep one is nobody knows: it tells nothing where roll is steep, too.
+        let bank = Angle { angle: bank.angle.clamp(-STEEPEST, STEEPEST), ..bank };
+        if roll.abs() >= STEEPEST && bank.angle.abs() >= STEEPEST {
+            return;
+        }
+        let since_s = self.heard.replace(now).map_or(0.0, |heard| now.since(heard).max(0.0));
+        let keep = (-since_s / REMEMBERED_S).exp();
+        let weight = bank.span_s / (CORRELATION_S * bank.sigma.powi(2));
+        let new = [1.0, roll, bank.angle, roll * roll, roll * bank.angle, bank.angle * bank.angle];
+        self.sums.iter_mut().zip(new).for_each(|(sum, new)| *sum = keep * *sum + weight * new);
+        self.find();
+    }
+
+    fn find(&mut self) {
+        let [weights, roll, bank, shown, both, flown] = self.sums;
+        // What is always the same of a difference tells of a head that sits askew.
+        let about = weights + ASKEW.powi(-2);
+        let [shown, both, flown] =
+            [shown - roll * roll / about, both - roll * bank / about, flown - bank * bank / about];
+        // By the noise of what divides a quotient is too small: each side is tested with the larger one above.
+        let (small, large) = (both / shown, both / flown);
+        let times = if self.amiss.is_active() { TIMES.1 } else { TIMES.0 };
+        let smaller = if small >= large { (both - shown).powi(2) / shown } else { (both - flown).powi(2) / flown };
+        self.there = small.max(large) > times && smaller > SMALLER;
+        if self.there {
+            self.factor = if small >= large { small } else { large.recip() };
+        }
+    }
+
+    /// Takes in that `attitude` is shown now.
+    pub fn judge(&mut self, attitude: Attitude, now: Time) {
+        let heard = self.heard.is_some_and(|at| (0.0..STALE_S).contains(&now.since(at)));
+        self.amiss.update(self.there && heard, now);
+        let off = if self.amiss.is_active() { (self.factor - 1.0).abs() } else { 0.0 };
+        self.doubt = Attitude { roll: off * attitude.roll.abs().min(FLYING.roll), pitch: off * attitude.pitch.abs() };
+    }
+
+    /// How far roll and pitch may be off for it: both are divided by the same.
+    pub fn doubt(&self) -> Attitude {
+        self.doubt
+    }
+
+    /// Adds `roll-disagrees` to `faults` while it is there, with how much of what is flown is shown.
+    pub fn report(&self, faults: &mut Vec<ActiveFault>) {
+        let limit = if self.factor > 1.0 { TIMES.0.recip() } else { TIMES.0 };
+        let [value, limit] = [self.factor.recip(), limit].map(|share| 100.0 * share);
+        self.amiss.report(FaultKind::RollDisagrees, Evidence::Limit { value, limit, unit: "%" }, faults);
+    }
+}
