@@ -124,6 +124,20 @@ fn a_reload_over_dbus_tells_how_it_went() {
     assert!(second.attitude_rate(1.0).is(15.0..=f64::INFINITY));
 }
 
+/// Of a bus that is another one than that in use, and not of that one when it is back.
+#[test]
+fn another_bus_waits_for_a_restart_and_the_one_in_use_does_not() {
+    let (folder, bus, receiver) = (Folder::new(), Bus::new(), Receiver::new());
+    let daemon = Daemon::start(&folder, &config(50, &bus.address(), &[&receiver]));
+    receiver.wait(ATTITUDE);
+    let reload = |address: &str| {
+        folder.write("irhorizon.toml", config(50, address, &[&receiver]));
+        Client::connect(&bus.choice()).unwrap().reload().unwrap();
+        daemon.said().matches("dbus.bus has changed").count()
+    };
+    assert_eq!([reload("none"), reload("none"), reload(&bus.address())], [1, 2, 2], "{}", daemon.said());
+}
+
 /// Hangups as fast as they come lose nothing and leave the last configuration in force.
 #[test]
 fn many_hangups_in_a_row() {

@@ -68,15 +68,15 @@ pub fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    let mut running = match Running::start(loaded, kept) {
+    let started = Running::start(loaded, kept)
+        .and_then(|running| running.when_ready(|| notify(&[NotifyState::Ready])).map(|()| running));
+    let mut running = match started {
         Ok(running) => running,
         Err(e) => {
             log::error!("{e}");
             return ExitCode::from(if e.is_configuration() { EX_CONFIG } else { 1 });
         }
     };
-    running.first_frame();
-    notify(&[NotifyState::Ready]);
     for signal in signals.forever() {
         if signal == SIGHUP {
             running.reload();

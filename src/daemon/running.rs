@@ -124,9 +124,14 @@ impl Running {
         Ok(Self { settings, kept, shared, taps, inbox, mavlink, publisher, desk, sampling, publishers })
     }
 
-    /// Waits for the first frame, for a while.
-    pub fn first_frame(&self) {
-        drop(self.shared.wait_beyond(0, FIRST_FRAME));
+    /// Does `ready` with the first frame, or after a while without one.
+    pub fn when_ready(&self, ready: impl FnOnce() + Send + 'static) -> Result<(), StartError> {
+        let shared = Arc::clone(&self.shared);
+        let wait = move || {
+            drop(shared.wait_beyond(0, FIRST_FRAME));
+            ready();
+        };
+        spawn("ready", wait).map(drop)
     }
 
     /// Takes up the configuration as it is written now, with what was changed by MAVLink; one that is not good changes
@@ -172,7 +177,10 @@ impl Running {
         }
         self.mavlink.configure(new.clone());
         self.desk.configure(&loaded);
+        // The bus in use stays the one that another is compared with.
+        let bus = self.settings.dbus.bus.take();
         self.settings = loaded.settings;
+        self.settings.dbus.bus = bus;
         Ok(())
     }
 
