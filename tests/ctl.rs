@@ -344,3 +344,29 @@ fn no_size_and_no_state_makes_the_picture_panic() {
         }
     }
 }
+
+/// A place that takes nothing.
+struct Refusing(std::io::ErrorKind);
+
+impl std::io::Write for Refusing {
+    fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+        Err(self.0.into())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn help_that_cannot_be_printed_has_failed_and_one_that_nobody_reads_on_has_not() {
+    use std::io::ErrorKind::{BrokenPipe, StorageFull};
+    for (kind, expected) in [(StorageFull, 1), (BrokenPipe, 0)] {
+        for line in [&["irhorizonctl", "--help"][..], &["irhorizonctl", "--version"], &["irhorizonctl", "status", "-h"]]
+        {
+            let mut err = Vec::new();
+            assert_eq!(run(line, &KIT, &mut Refusing(kind), &mut err), expected, "{line:?}");
+            assert_eq!(err.is_empty(), expected == 0, "{}", String::from_utf8_lossy(&err));
+        }
+    }
+}

@@ -32,18 +32,17 @@ pub fn run(
     out: &mut dyn Write,
     err: &mut dyn Write,
 ) -> u8 {
-    let cli = match Cli::try_parse_from(args) {
-        Ok(cli) => cli,
+    let outcome = match Cli::try_parse_from(args) {
+        Ok(cli) => dispatch(&cli, kit, out, err),
         Err(e) if matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
-            let _ = write!(out, "{}", e.render());
-            return EXIT_OK;
+            print(out, &e.render().to_string()).map(|()| EXIT_OK)
         }
         Err(e) => {
             let _ = write!(err, "{}", e.render());
             return EXIT_USAGE;
         }
     };
-    match dispatch(&cli, kit, out, err) {
+    match outcome {
         Ok(code) => code,
         Err(e) if e.is_broken_pipe() => EXIT_OK,
         Err(e) => {

@@ -34,7 +34,8 @@ pub fn command(args: &TrimArgs, trim: Trim, out: &mut dyn Write, err: &mut dyn W
     replace(&mut FileSystem, path, text.as_bytes()).map_err(failed)?;
     let _ = writeln!(
         err,
-        "saved to {}; it holds after systemctl reload irhorizond, if that is a drop-in of its configuration",
+        "saved to {}; it holds after systemctl reload irhorizond, if that is a drop-in of its configuration and no MAVLink \
+         parameter has set another",
         path.display()
     );
     Ok(())

@@ -96,7 +96,16 @@ fn read(path: &Path) -> Result<String, Unread> {
     if !meta.is_file() || meta.len() > LARGEST {
         return Err(Unread::Foreign);
     }
-    let text = fs::read_to_string(path)?;
+    let mut text = fs::read_to_string(path)?;
+    // What is left of a number is another number.
+    let whole = text.rfind('\n').map_or(0, |end| end + 1);
+    if whole == 0 && !text.is_empty() {
+        return Err(Unread::Foreign);
+    }
+    if whole < text.len() {
+        log::error!("{}: its last line, {:?}, is cut off and left out", path.display(), &text[whole..]);
+        text.truncate(whole);
+    }
     let nothing = text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'));
     if nothing || !drop_in::single(&text).is_empty() { Ok(text) } else { Err(Unread::Foreign) }
 }
@@ -151,6 +160,8 @@ mod tests {
             fs::write(&path, sound).unwrap();
             assert_eq!(read(&path).unwrap(), sound);
         }
+        fs::write(&path, "[head]\nroll-trim-deg = 2\npitch-trim-deg = 1").unwrap();
+        assert_eq!(read(&path).unwrap(), "[head]\nroll-trim-deg = 2\n", "it was 12");
         fs::remove_file(path).unwrap();
     }
 
