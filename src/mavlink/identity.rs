@@ -2,6 +2,7 @@
 
 use super::deframe::Packet;
 use crate::config::settings::AUTOPILOT;
+use std::ops::RangeInclusive;
 
 /// HEARTBEAT, whose bytes are looked at as they are: a parser refuses a kind of vehicle that it does not know.
 const HEARTBEAT: u32 = 0;
@@ -9,7 +10,10 @@ const HEARTBEAT: u32 = 0;
 const INVALID: u8 = 8;
 /// MAV_AUTOPILOT_ARDUPILOTMEGA.
 const ARDUPILOT: u8 = 3;
-/// Where HEARTBEAT says which autopilot it is of.
+/// Where HEARTBEAT says what flies (MAV_TYPE), and those that bank to turn: generic, fixed wing, flapping wing, VTOL.
+const TYPE_AT: usize = 4;
+const AEROPLANES: [RangeInclusive<u8>; 3] = [0..=1, 16..=16, 19..=25];
+/// Where it says which autopilot it is of.
 const KIND_AT: usize = 5;
 /// Where it says its mode, and MAV_MODE_FLAG_SAFETY_ARMED there.
 const MODE_AT: usize = 6;
@@ -33,6 +37,7 @@ pub struct Identity {
     autopilot_id: Option<u8>,
     /// The system of the autopilot that was heard, and what kind of autopilot it is.
     heard: Option<(u8, u8)>,
+    aeroplane: bool,
     armed: bool,
     told: bool,
 }
@@ -40,27 +45,29 @@ pub struct Identity {
 impl Identity {
     /// With the configured `system-id` and `autopilot-id`.
     pub const fn new(system_id: Option<u8>, autopilot_id: Option<u8>) -> Self {
-        Self { system_id, autopilot_id, heard: None, armed: false, told: false }
+        Self { system_id, autopilot_id, heard: None, aeroplane: false, armed: false, told: false }
     }
 
     /// A new configuration. The autopilot stays unless another one is asked for.
     pub fn configure(&mut self, system_id: Option<u8>, autopilot_id: Option<u8>) {
         let heard = self.heard.filter(|(id, _)| autopilot_id.is_none_or(|wanted| wanted == *id));
-        *self = Self { system_id, autopilot_id, heard, armed: self.armed, told: false };
+        *self = Self { system_id, autopilot_id, heard, told: false, ..*self };
     }
 
     /// Takes in a message.
     pub fn hear(&mut self, packet: &Packet<'_>) -> Notice {
         let (id, component) = (packet.system_id, packet.component_id);
         // MAVLink 2 leaves zeros at the end out.
-        let kind = packet.payload.get(KIND_AT).copied().unwrap_or(0);
+        let at = |i: usize| packet.payload.get(i).copied().unwrap_or(0);
+        let kind = at(KIND_AT);
         if packet.id != HEARTBEAT || component != AUTOPILOT || id == 0 || kind == INVALID {
             return Notice::Nothing;
         }
         let listened = self.heard.map(|(id, _)| id).or(self.autopilot_id);
         if listened.is_none_or(|listened| listened == id) {
             let first = self.heard.replace((id, kind)).is_none();
-            self.armed = packet.payload.get(MODE_AT).is_some_and(|mode| mode & ARMED != 0);
+            self.aeroplane = AEROPLANES.iter().any(|types| types.contains(&at(TYPE_AT)));
+            self.armed = at(MODE_AT) & ARMED != 0;
             return if first { Notice::Autopilot(id) } else { Notice::Nothing };
         }
         if std::mem::replace(&mut self.told, true) { Notice::Nothing } else { Notice::Another(id) }
@@ -69,6 +76,11 @@ impl Identity {
     /// The system of the autopilot that is listened to, once it was heard.
     pub fn autopilot(&self) -> Option<u8> {
         self.heard.map(|(id, _)| id)
+    }
+
+    /// Whether that autopilot said that what it flies turns by banking and climbs where its nose points.
+    pub fn is_aeroplane(&self) -> bool {
+        self.aeroplane
     }
 
     /// Whether that autopilot said that its motors are armed.
@@ -100,8 +112,8 @@ mod tests {
         Packet { bytes: &[], v2: true, system_id, component_id, sequence: 0, id: 0, payload, signature: None }
     }
 
+    /// Of a kind of vehicle that nobody knows yet.
     fn of(kind: u8) -> [u8; 9] {
-        // A kind of vehicle that nobody knows yet.
         [0, 0, 0, 0, 250, kind, 81, 4, 3]
     }
 
@@ -137,5 +149,21 @@ mod tests {
     fn zeros_left_out_are_a_generic_autopilot() {
         let mut who = Identity::new(None, None);
         assert_eq!(who.hear(&heartbeat(3, 1, &[0, 0, 0, 0, 1])), Notice::Autopilot(3));
+    }
+
+    #[test]
+    fn what_flies_is_said_by_each_heartbeat() {
+        let mut who = Identity::new(None, None);
+        assert!(!who.is_aeroplane(), "before any");
+        // MAV_TYPE: generic, fixed wing, quadrotor, helicopter, rover, hexarotor, flapping wing, VTOL with tilting rotors,
+        // dodecarotor, one that nobody knows yet.
+        let said = [0, 1, 2, 4, 10, 13, 16, 21, 29, 250].map(|what| {
+            who.hear(&heartbeat(3, 1, &[0, 0, 0, 0, what, 3, 81, 4, 3]));
+            who.is_aeroplane()
+        });
+        assert_eq!(said, [true, true, false, false, false, false, true, true, false, false]);
+        who.configure(Some(9), None);
+        who.hear(&heartbeat(4, 1, &[0, 0, 0, 0, 1, 3, 81, 4, 3]));
+        assert!(!who.is_aeroplane(), "another's");
     }
 }

@@ -144,7 +144,12 @@ impl Listener {
     pub fn hear(&mut self, now: Time, endpoint: usize, packet: &Packet<'_>, heard: Option<&Heard>) {
         match self.identity.hear(packet) {
             Notice::Nothing => {}
-            Notice::Autopilot(id) => log::info!("listening to the autopilot of system {id}"),
+            Notice::Autopilot(id) => {
+                log::info!("listening to the autopilot of system {id}");
+                if !self.identity.is_aeroplane() {
+                    log::info!("it flies no aeroplane: its GPS and airspeed tell nothing of bank and pitch");
+                }
+            }
             Notice::Another(id) => {
                 log::warn!("another autopilot, of system {id}, is not listened to: choose one with autopilot-id");
             }
@@ -258,7 +263,7 @@ impl Listener {
                     self.air.count(now);
                 }
                 let climb_m_s = aiding.climb_m_s.filter(|_| !self.has_position(now));
-                self.say(now, time, What::Slow(Aiding { climb_m_s, ..aiding }));
+                self.slow(now, time, Aiding { climb_m_s, ..aiding });
             }
             Words::Rates(..) | Words::Attitude(..) | Words::Position(..) => {}
         }
@@ -315,11 +320,66 @@ impl Listener {
             if aiding.ground_speed_m_s.is_some() {
                 self.gps.count(now);
             }
-            self.say(now, time, What::Slow(aiding));
+            self.slow(now, time, aiding);
         }
+    }
+
+    /// What does not turn by banking tells nothing of its attitude by where it goes.
+    fn slow(&self, now: Time, time: Time, aiding: Aiding) {
+        let nothing = Aiding { altitude_m: aiding.altitude_m, ..Aiding::default() };
+        self.say(now, time, What::Slow(if self.identity.is_aeroplane() { aiding } else { nothing }));
     }
 
     fn say(&self, now: Time, time: Time, what: What) {
         self.inbox.push(Said { time, arrived: now, what });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Settings;
+    use ::mavlink::dialects::common::{GLOBAL_POSITION_INT_DATA, HEARTBEAT_DATA, MavAutopilot, MavType, VFR_HUD_DATA};
+    use ::mavlink::{MavlinkVersion, MessageData};
+
+    fn hear<D: MessageData>(listener: &mut Listener, data: &D) {
+        let mut buffer = [0; 255];
+        let length = data.ser(MavlinkVersion::V2, &mut buffer);
+        let (payload, signature) = (&buffer[..length], None);
+        let packet =
+            Packet { bytes: &[], v2: true, system_id: 3, component_id: 1, sequence: 0, id: D::ID, payload, signature };
+        listener.hear(Time::from_secs_f64(50.0), 0, &packet, Heard::new(&packet).as_ref());
+    }
+
+    #[test]
+    fn only_an_aeroplane_tells_by_where_it_goes() {
+        let autopilot = MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA;
+        for (mavtype, tells) in [(MavType::MAV_TYPE_FIXED_WING, true), (MavType::MAV_TYPE_QUADROTOR, false)] {
+            let inbox = Arc::new(Inbox::default());
+            let mut listener = Listener::new(&Settings::default().mavlink, 50.0, Arc::clone(&inbox));
+            hear(&mut listener, &HEARTBEAT_DATA { autopilot, mavtype, ..HEARTBEAT_DATA::DEFAULT });
+            let fix = GLOBAL_POSITION_INT_DATA {
+                relative_alt: 90_000,
+                vx: 1500,
+                vz: -100,
+                ..GLOBAL_POSITION_INT_DATA::DEFAULT
+            };
+            hear(&mut listener, &fix);
+            hear(&mut listener, &VFR_HUD_DATA { airspeed: 16.0, ..VFR_HUD_DATA::DEFAULT });
+            let mut said = Vec::new();
+            assert!(listener.flying(Time::from_secs_f64(50.0)) && inbox.take(&mut said).system == Some(3));
+            let slow = |what: &What| if let What::Slow(aiding) = what { Some(*aiding) } else { None };
+            let slow: Vec<_> = said.iter().filter_map(|s| slow(&s.what)).collect();
+            assert_eq!(slow.len(), 2, "{said:?}");
+            for (told, what) in [
+                (slow[0].course_deg, "course"),
+                (slow[0].ground_speed_m_s, "speed"),
+                (slow[0].climb_m_s, "climb"),
+                (slow[1].airspeed_m_s, "airspeed"),
+            ] {
+                assert_eq!(told.is_some(), tells, "{what} of {mavtype:?}");
+            }
+            assert_eq!(slow[0].altitude_m, Some(90.0));
+        }
     }
 }
