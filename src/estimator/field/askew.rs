@@ -17,6 +17,8 @@ const LASTS_S: f64 = 3.0;
 const OFF: f64 = 15.0;
 /// A scale is expected to be off by such a share for each radian that the axes are.
 const SCALE_SHARE: f64 = 0.2;
+/// So many standard deviations from what is expected it is not the gyro.
+const FAR: f64 = 3.0;
 /// So much of what is expected is expected with sensors that cannot show a scene.
 const BLIND_SHARE: f64 = 0.6;
 
@@ -34,6 +36,13 @@ fn by_axes(rates: Vector) -> [[(usize, f64); 3]; 3] {
 /// What a gyro's `rates` do not show.
 pub fn unshown(state: &State, rates: Vector) -> Vector {
     by_axes(rates).map(|by| by.iter().map(|(k, share)| share * state.x[*k]).sum())
+}
+
+/// By how much more a gyro is taken to be askew, or of another scale, than it can be: rad, and a share.
+pub fn unbelievable(state: &State) -> f64 {
+    let most = FAR * state.askew2.sqrt();
+    let more = |i: usize| (state.x[i].abs() - most).max(0.0) * if i < SCALE { 1.0 } else { SCALE_SHARE };
+    STATES.map(more).map(|m| m * m).sum::<f64>().sqrt()
 }
 
 /// Rows and columns of the turn, in `dt_s` at a gyro's `rates`.
@@ -126,6 +135,19 @@ mod tests {
         let shown = product(&rotation(turn.map(|c| -c)), std::array::from_fn(|i| truly[i] * (1.0 - scale[i])));
         let found = add_scaled(shown, 1.0, unshown(&state, shown));
         assert!(length(add_scaled(found, -1.0, truly)) < 3e-5, "{found:?}");
+    }
+
+    #[test]
+    fn a_gyro_that_cannot_be_is_doubted_by_what_is_too_much() {
+        let mut state = State::new(6);
+        state.askew2 = 0.05_f64.powi(2);
+        (state.x[ASKEW], state.x[SCALE + 2]) = (0.14, -0.15);
+        assert_eq!(unbelievable(&state), 0.0, "usual");
+        // A scale that is off by 17 %, of which 3 % may be.
+        state.x[SCALE] = 0.85;
+        assert!((unbelievable(&state) - 0.14).abs() < 1e-9);
+        state.x[ASKEW + 1] = -0.25;
+        assert!((unbelievable(&state) - 0.14_f64.hypot(0.1)).abs() < 1e-9);
     }
 
     /// Rows and columns as by the whole matrix: the turn gains `dt` times what is not shown.

@@ -1,6 +1,7 @@
 //! What is said of the attitude, with all that it might be wrong by.
 
 use super::FieldEstimator;
+use super::askew::unbelievable;
 use super::output::{attitude, moving};
 use super::state::CONTRAST;
 use crate::attitude::Attitude;
@@ -34,7 +35,9 @@ impl FieldEstimator {
         // Angles are shown larger by the least doubt, that of the model: more of it, and what the aircraft does, may as
         // well be on the other side.
         let (guarded, sigma) = (doubted(at_rest, least_k), doubted(own, most_k));
-        let sigma = [unheard, leaning, late, self.walled(attitude), self.by_one_alone()]
+        let (astray, unbelieved) = (self.astray(), unbelievable(&self.state));
+        let turning = Attitude { roll: unbelieved * attitude.roll.abs(), pitch: unbelieved * attitude.pitch.abs() };
+        let sigma = [unheard, leaning, late, turning, astray, self.walled(attitude), self.by_one_alone()]
             .iter()
             .fold(sigma, |all, one| Attitude { roll: all.roll.hypot(one.roll), pitch: all.pitch.hypot(one.pitch) });
         attitude.roll = guard(attitude.roll, guarded.roll, std::f64::consts::PI);

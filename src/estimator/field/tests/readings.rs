@@ -116,6 +116,15 @@ fn what_is_left_out_is_heard_again_where_the_others_tell_of_no_sky() {
         let standing = if off_k > 0.0 { Standing::LeftOut } else { Standing::Heard };
         assert_eq!(filter.hearing(1).standing, standing);
         assert!((0..500).all(|_| !filter.misjudged(0.02)), "all is well");
+        let doubt_deg = |depth: f64, view: f64| {
+            let mut other = filter.clone();
+            (other.state.x[state::DEPTH], other.state.x[state::VIEW]) = (depth, view);
+            other.astray().roll.to_degrees()
+        };
+        // Usual, an overcast, and skies that are none.
+        assert_eq!([doubt_deg(-1.2, 0.0), doubt_deg(0.3, 0.6)], [0.0; 2]);
+        let none = [doubt_deg(-4.8, 0.0), doubt_deg(-1.2, -1.6)];
+        assert!(if acquitted { none[0] > 45.0 && none[1] > 35.0 } else { none == [0.0; 2] }, "{none:?}");
         filter.state.x[state::VIEW] = -1.5;
         assert!((0..95).all(|_| !filter.misjudged(0.02)), "for 1.9 s");
         assert_eq!((0..10).any(|_| filter.misjudged(0.02)), acquitted);
