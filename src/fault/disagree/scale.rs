@@ -8,8 +8,10 @@ use crate::fault::wired::{ASKEW, REMEMBERED_S};
 use crate::fault::{ActiveFault, Evidence, FaultKind};
 use crate::time::Time;
 
-/// So many times one of them must be the other, and is no more below the second.
-const TIMES: (f64, f64) = (1.3, 1.15);
+/// So many times roll what is flown must be, and is no more below the second.
+const SMALL: (f64, f64) = (1.3, 1.15);
+/// So many times what is flown roll must be: GPS smooths what it says of turns.
+const LARGE: (f64, f64) = (1.5, 1.3);
 /// By so much the squares of the difference, in σ², must be smaller without it.
 const SMALLER: f64 = 9.0;
 
@@ -62,14 +64,14 @@ impl Scale {
         let about = weights + ASKEW.powi(-2);
         let [shown, both, flown] =
             [shown - roll * roll / about, both - roll * bank / about, flown - bank * bank / about];
-        // By the noise of what divides a quotient is too small: each side is tested with the larger one above.
-        let (small, large) = (both / shown, both / flown);
-        let times = if self.amiss.is_active() { TIMES.1 } else { TIMES.0 };
-        let smaller = if small >= large { (both - shown).powi(2) / shown } else { (both - flown).powi(2) / flown };
-        self.there = small.max(large) > times && smaller > SMALLER;
-        if self.there {
-            self.factor = if small >= large { small } else { large.recip() };
-        }
+        // By the noise of what divides a quotient is too small: each is asked only whether it is too large.
+        let asked = [(shown, SMALL), (flown, LARGE)].map(|(divisor, (on, off))| {
+            let times = both / divisor;
+            let smaller = (both - divisor).powi(2) / divisor;
+            (times > if self.amiss.is_active() { off } else { on } && smaller > SMALLER).then_some(times)
+        });
+        self.there = asked.iter().any(Option::is_some);
+        self.factor = asked[0].or(asked[1].map(f64::recip)).unwrap_or(self.factor);
     }
 
     /// Takes in that `attitude` is shown now.
@@ -87,7 +89,7 @@ impl Scale {
 
     /// Adds `roll-disagrees` to `faults` while it is there, with how much of what is flown is shown.
     pub fn report(&self, faults: &mut Vec<ActiveFault>) {
-        let limit = if self.factor > 1.0 { TIMES.0.recip() } else { TIMES.0 };
+        let limit = if self.factor > 1.0 { SMALL.0.recip() } else { LARGE.0 };
         let [value, limit] = [self.factor.recip(), limit].map(|share| 100.0 * share);
         self.amiss.report(FaultKind::RollDisagrees, Evidence::Limit { value, limit, unit: "%" }, faults);
     }

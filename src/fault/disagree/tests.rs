@@ -186,7 +186,7 @@ fn circuits(flight: &mut Flight, seconds: u32, bank_deg: f64, share: f64, more_d
 #[test]
 fn a_roll_that_is_always_a_share_of_the_bank_is_told_and_doubted_by_what_is_missing() {
     // Too little for the mean of five seconds, but all of it wrong.
-    for (share, bank_deg) in [(0.5, 20.0), (0.55, 24.0), (0.3, 15.0), (1.6, 18.0)] {
+    for (share, bank_deg) in [(0.5, 20.0), (0.55, 24.0), (0.3, 15.0), (1.7, 16.0)] {
         let mut flight = Flight::new();
         circuits(&mut flight, 120, bank_deg, share, 0.0);
         assert_eq!(flight.told(), [FaultKind::RollDisagrees], "{share} of {bank_deg}°");
@@ -206,7 +206,7 @@ fn a_roll_that_is_always_a_share_of_the_bank_is_told_and_doubted_by_what_is_miss
 #[test]
 fn a_head_that_sits_askew_and_one_that_flies_straight_on_have_no_wrong_scale() {
     for (share, bank_deg, more_deg) in
-        [(1.0, 25.0, 8.0), (1.0, 25.0, -8.0), (0.8, 25.0, 0.0), (0.0, 3.0, 0.0), (0.5, 5.0, 5.0)]
+        [(1.0, 25.0, 8.0), (1.0, 25.0, -8.0), (0.8, 25.0, 0.0), (1.4, 25.0, 0.0), (0.0, 3.0, 0.0), (0.5, 5.0, 5.0)]
     {
         let mut flight = Flight::new();
         circuits(&mut flight, 300, bank_deg, share, more_deg);
