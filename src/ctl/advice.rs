@@ -6,7 +6,7 @@ const ADVICE: [(&str, &str); 11] = [
     ("inverted-contrast", "fly by something else; on the ground: are up and down exchanged, or a pair's sign?"),
     ("wet-sensor", "water dries in the wind; dirt must be wiped off on the ground"),
     ("obstructed", "fly by something else, and away from what is beside: a ridge, a cloud bank"),
-    ("roll-disagrees", "fly by something else; on the ground: the directions of the sensors, the roll trim"),
+    ("roll-disagrees", "fly by something else; on the ground: the sensors' directions, up and down, the roll trim"),
     ("pitch-disagrees", "fly by something else; on the ground: the directions of the sensors, the pitch trim"),
     ("sensor-stuck", "power-cycle it; if that does not help, replace it"),
     ("sensor-lost", "irhorizonctl sensors says what to look at"),
