@@ -97,16 +97,13 @@ fn read(path: &Path) -> Result<String, Unread> {
         return Err(Unread::Foreign);
     }
     let mut text = fs::read_to_string(path)?;
+    let nothing = text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'));
     // What is left of a number is another number.
     let whole = text.rfind('\n').map_or(0, |end| end + 1);
-    if whole == 0 && !text.is_empty() {
-        return Err(Unread::Foreign);
-    }
     if whole < text.len() {
         log::error!("{}: its last line, {:?}, is cut off and left out", path.display(), &text[whole..]);
         text.truncate(whole);
     }
-    let nothing = text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'));
     if nothing || !drop_in::single(&text).is_empty() { Ok(text) } else { Err(Unread::Foreign) }
 }
 

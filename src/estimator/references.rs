@@ -24,6 +24,9 @@ const BANK_SHARE: f64 = 0.2;
 const ATTACK_SIGMA: f64 = 2_f64.to_radians();
 const UPDRAUGHT_M_S: f64 = 1.0;
 
+/// A reference's error lasts so long, s: within it, more of them say no more.
+pub const CORRELATION_S: f64 = 2.0;
+
 /// An angle that a reference gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Angle {
@@ -33,6 +36,13 @@ pub struct Angle {
     pub sigma: f64,
     /// The time for which it stands, s.
     pub span_s: f64,
+}
+
+impl Angle {
+    /// What it weighs beside others, 1/rad².
+    pub fn weight(&self) -> f64 {
+        self.span_s / (CORRELATION_S * self.sigma.powi(2))
+    }
 }
 
 /// What came with a frame.

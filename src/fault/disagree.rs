@@ -7,7 +7,7 @@ use super::wired::Wired;
 use super::{ActiveFault, Evidence, FaultKind};
 use crate::attitude::Attitude;
 use crate::estimator::Solution;
-use crate::estimator::references::{Angle, References, STEEPEST};
+use crate::estimator::references::{Angle, CORRELATION_S, References, STEEPEST};
 use crate::frame::Aiding;
 use crate::time::Time;
 use scale::Scale;
@@ -17,8 +17,6 @@ use std::f64::consts::FRAC_PI_2;
 const WINDOW_S: f64 = 5.0;
 /// What has been found fades by such a share of what is new to the average.
 const FADES: f64 = 0.5;
-/// A reference's error lasts so long, s: within it, more of them say no more.
-const CORRELATION_S: f64 = 2.0;
 /// So many standard deviations of both together a difference must be.
 const SIGMAS: f64 = 2.5;
 /// Seconds for which it must be there, and must be gone.
@@ -127,9 +125,9 @@ impl Disagree {
     pub fn doubt(&self, left_out: bool) -> Attitude {
         let share = if left_out { 1.0 } else { 0.5 };
         let of = |d: &Difference| if d.disagrees.is_active() { share * d.found } else { 0.0 };
-        let [wired, scale] = [self.wired.doubt(), self.scale.doubt()];
-        let [roll, pitch] = [of(&self.roll).max(wired.roll), of(&self.pitch).max(wired.pitch)];
-        Attitude { roll: roll.max(scale.roll), pitch: pitch.max(scale.pitch) }
+        let own = Attitude { roll: of(&self.roll), pitch: of(&self.pitch) };
+        let larger = |a: Attitude, b: Attitude| Attitude { roll: a.roll.max(b.roll), pitch: a.pitch.max(b.pitch) };
+        larger(own, larger(self.wired.doubt(), self.scale.doubt()))
     }
 
     /// Adds what is there to `faults`.

@@ -1,10 +1,10 @@
 //! Roll that is always the same share of the bank that is flown: what all is divided by is wrong.
 
-use super::{CORRELATION_S, FLYING, LASTS_S, STALE_S};
+use super::{FLYING, LASTS_S, STALE_S};
 use crate::attitude::Attitude;
 use crate::estimator::references::{Angle, STEEPEST};
 use crate::fault::debounce::Debounce;
-use crate::fault::wired::{ASKEW, REMEMBERED_S};
+use crate::fault::wired::{REMEMBERED_S, beside_askew};
 use crate::fault::{ActiveFault, Evidence, FaultKind};
 use crate::time::Time;
 
@@ -52,7 +52,7 @@ impl Scale {
         }
         let since_s = self.heard.replace(now).map_or(0.0, |heard| now.since(heard).max(0.0));
         let keep = (-since_s / REMEMBERED_S).exp();
-        let weight = bank.span_s / (CORRELATION_S * bank.sigma.powi(2));
+        let weight = bank.weight();
         let new = [1.0, roll, bank.angle, roll * roll, roll * bank.angle, bank.angle * bank.angle];
         self.sums.iter_mut().zip(new).for_each(|(sum, new)| *sum = keep * *sum + weight * new);
         self.find();
@@ -60,15 +60,14 @@ impl Scale {
 
     fn find(&mut self) {
         let [weights, roll, bank, shown, both, flown] = self.sums;
-        // What is always the same of a difference tells of a head that sits askew.
-        let about = weights + ASKEW.powi(-2);
-        let [shown, both, flown] =
-            [shown - roll * roll / about, both - roll * bank / about, flown - bank * bank / about];
+        let [shown, both, flown] = [(shown, [roll; 2]), (both, [roll, bank]), (flown, [bank; 2])]
+            .map(|(product, sums)| beside_askew(product, sums, weights));
         // By the noise of what divides a quotient is too small: each is asked only whether it is too large.
         let asked = [(shown, SMALL), (flown, LARGE)].map(|(divisor, (on, off))| {
             let times = both / divisor;
             let smaller = (both - divisor).powi(2) / divisor;
-            (times > if self.amiss.is_active() { off } else { on } && smaller > SMALLER).then_some(times)
+            let least = if self.amiss.is_active() { off } else { on };
+            (times > least && smaller > SMALLER).then_some(times)
         });
         self.there = asked.iter().any(Option::is_some);
         self.factor = asked[0].or(asked[1].map(f64::recip)).unwrap_or(self.factor);

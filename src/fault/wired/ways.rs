@@ -8,8 +8,6 @@ use crate::estimator::wiring::Wiring;
 
 /// What is compared is remembered for about so long, s: to roll and to pitch hardly more than once a minute is usual.
 pub const REMEMBERED_S: f64 = 120.0;
-/// A reference's error lasts so long, s.
-const CORRELATION_S: f64 = 2.0;
 /// By so much the squares of what is left, in σ², are smaller by the way that is believed than as it is configured, and
 /// such a share is left at most of these and of what is flown; above the second share it is believed no more.
 const SMALLER: f64 = 30.0;
@@ -17,7 +15,12 @@ const LEFT: (f64, f64) = (0.3, 0.6);
 /// Ways that differ by less are about as good, σ².
 const AS_GOOD: f64 = 10.0;
 /// A head may sit askew by about so much (1σ), rad: what is always the same of a difference tells no more.
-pub const ASKEW: f64 = 8_f64.to_radians();
+const ASKEW: f64 = 8_f64.to_radians();
+
+/// What a head that sits askew does not explain of the weighted sum `product` of two values whose weighted sums are `sums`.
+pub fn beside_askew(product: f64, sums: [f64; 2], weights: f64) -> f64 {
+    product - sums[0] * sums[1] / (weights + ASKEW.powi(-2))
+}
 
 /// Compares what is flown with each way to wire the head.
 #[derive(Clone, Debug, Default)]
@@ -44,7 +47,7 @@ impl Squares {
     /// The squares without what a head that sits askew explains of them, σ².
     fn sum(&self) -> f64 {
         let [weights, values, squares] = self.0;
-        squares - values.powi(2) / (weights + ASKEW.powi(-2))
+        beside_askew(squares, [values; 2], weights)
     }
 }
 
@@ -63,12 +66,12 @@ impl Ways {
     }
 
     /// Takes in that `mean` was shown over the time of a reference of roll (0) or pitch (1).
-    fn compare(&mut self, mean: Attitude, angle: usize, Angle { angle: flown, sigma, span_s }: Angle) {
-        let keep = (-span_s / REMEMBERED_S).exp();
-        let weight = span_s / (CORRELATION_S * sigma.powi(2));
+    fn compare(&mut self, mean: Attitude, angle: usize, reference: Angle) {
+        let keep = (-reference.span_s / REMEMBERED_S).exp();
+        let weight = reference.weight();
         // How steep a steep one is nobody knows.
         let within = |a: f64| a.clamp(-STEEPEST, STEEPEST);
-        let flown = within(flown);
+        let flown = within(reference.angle);
         self.flown[angle].take(flown, weight, keep);
         for (left, way) in self.left[angle].iter_mut().zip(Wiring::ALL) {
             let Attitude { roll, pitch } = way.attitude(mean);
