@@ -200,7 +200,9 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
         state.plain[i] = keep * state.plain[i] + gain * s.value;
         state.off[i] = off;
     }
-    // Rows, then columns: F·P·Fᵀ with F other than one in these rows alone.
+    // F·P·Fᵀ, with F other than one in these rows alone: the rows, then what they have among themselves; the columns are as
+    // the rows.
+    let seen = SEEN..SEEN + sensors;
     for (i, slope) in slopes[..sensors].iter().enumerate() {
         let mut row = state.p[SEEN + i];
         row[..n].iter_mut().for_each(|v| *v *= keep);
@@ -209,9 +211,15 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
         }
         state.p[SEEN + i] = row;
     }
-    for row in &mut state.p[..n] {
+    for row in &mut state.p[seen.clone()] {
         for (i, slope) in slopes[..sensors].iter().enumerate() {
             row[SEEN + i] = keep * row[SEEN + i] + slope.iter().map(|(k, c)| c * row[*k]).sum::<f64>();
+        }
+    }
+    for i in seen.clone() {
+        let row = state.p[i];
+        for k in (0..seen.start).chain(seen.end..n) {
+            state.p[k][i] = row[k];
         }
     }
 }
