@@ -3,6 +3,9 @@
 use crate::time::Time;
 use std::fmt;
 
+/// A die temperature that was read longer ago is not given any more, s.
+pub const AMBIENT_LASTS_S: f64 = 10.0;
+
 /// What a sensor measured, in the unit it measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {

@@ -79,6 +79,26 @@ pub fn undo(disk: &mut dyn Disk, path: &Path) -> io::Result<Undone> {
     Ok(undone)
 }
 
+/// Makes the folder of drop-ins that `path` lies in, `FILE.toml.d`, where there is none: to be read by everybody, whatever
+/// the mask of whoever makes it.
+pub fn make_drop_ins(path: &Path) -> io::Result<()> {
+    let folder = folder(path);
+    if !folder.as_os_str().as_encoded_bytes().ends_with(b".toml.d") {
+        return Ok(());
+    }
+    match fs::create_dir(folder) {
+        Err(e) if e.kind() == ErrorKind::AlreadyExists => Ok(()),
+        made => made.and_then(|()| fs::set_permissions(folder, Permissions::from_mode(0o755))),
+    }
+}
+
+/// Whether a file can be saved as `path`: its folder may be written.
+pub fn can_be_saved(disk: &mut dyn Disk, path: &Path) -> io::Result<()> {
+    let new = beside(path, "new");
+    disk.write(&new, b"")?;
+    disk.remove(&new)
+}
+
 /// `.50-trim.toml.old` beside `50-trim.toml`: hidden, so that no configuration is read from it.
 pub fn beside(path: &Path, ending: &str) -> PathBuf {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();

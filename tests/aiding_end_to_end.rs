@@ -123,7 +123,7 @@ fn live(scenario: &Scenario, seed: u64, frames: u64, has: impl FnOnce(&mut Autop
         Sampling::new(Head::six(), Box::new(Bare(source)), horizon, Arc::clone(&shared), Arc::clone(&taps), None)
             .with_inbox(inbox);
     let mut recording = Writer::new(&Head::six(), "").header().to_owned();
-    let tap = taps.subscribe("").unwrap();
+    let tap = taps.subscribe().unwrap();
     let mut packet = [0; 4096];
     let (mut published, mut said) = (Errors::default(), Vec::new());
     for i in 0..frames {

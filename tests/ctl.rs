@@ -22,9 +22,8 @@ impl Daemon for Fake {
     }
 
     fn frames(&mut self) -> Result<OwnedFd, DaemonError> {
-        let taps = Taps::default();
-        let fd =
-            taps.subscribe("# irhorizon 0.1.0\ntime_s,nose_obj_c\n").map_err(|e| DaemonError::Refused(e.into()))?;
+        let taps = Taps::new("# irhorizon 0.1.0\ntime_s,nose_obj_c\n");
+        let fd = taps.subscribe().map_err(|e| DaemonError::Refused(e.into()))?;
         for row in ["0.02,1.00\n", "0.04,1.02\n"] {
             taps.offer(&mut String::new(), |line| line.push_str(row));
         }

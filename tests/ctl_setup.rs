@@ -137,6 +137,18 @@ fn the_trim_is_measured_saved_and_brought_back() {
     assert!(code == 1 && err.contains("nothing is kept"), "{err}");
 }
 
+/// Before anybody takes pains to hold anything level.
+#[test]
+fn what_cannot_be_saved_is_not_measured() {
+    let folder = Folder::new();
+    let config = folder.write("irhorizon.toml", SIMULATED).display().to_string();
+    RUNS_ON.set(config.clone().into());
+    fs::create_dir_all(folder.path("irhorizon.toml.d/.50-trim.toml.new")).unwrap();
+    let (code, out, err) = ctl(&format!("--bus fake:still calibrate --yes --config {config}"));
+    assert!(code == 1 && out.is_empty() && err.contains("50-trim.toml failed"), "{out}{err}");
+    assert!(!err.contains("hold or put"), "{err}");
+}
+
 #[test]
 fn without_a_daemon_undoing_works_and_measuring_does_not() {
     let folder = Folder::new();
@@ -239,7 +251,7 @@ fn what_is_no_measure_is_not_saved() {
     let (_, _, err) = ctl(&format!("--bus fake:still calibrate neutral --yes --config {config}"));
     assert!(err.contains("no ads1115"), "{err}");
     let later = folder.path("irhorizon.toml.d");
-    fs::create_dir(&later).unwrap();
+    fs::create_dir_all(&later).unwrap();
     fs::write(later.join("trim.toml"), "[head]\nroll-trim-deg = 7.0\n").unwrap();
     let (_, _, err) = ctl(&format!("--bus fake:still calibrate --yes --config {config}"));
     assert!(err.contains("50-trim.toml sets the same"), "{err}");

@@ -110,12 +110,17 @@ fn a_reload_over_dbus_tells_how_it_went() {
     let _daemon = Daemon::start(&folder, &config(50, &bus.address(), &[&first]));
     first.wait(ATTITUDE);
     let mut client = Client::connect(&bus.choice()).unwrap();
+    let mut frames = client.frames().unwrap();
     folder.write("irhorizon.toml", config(20, &bus.address(), &[&second]));
     client.reload().unwrap();
     let rate = second.attitude_rate(1.0);
     assert!(rate.is(17.0..=22.0), "{rate}");
     let status = client.status().unwrap();
     assert_eq!(status.endpoints.len(), 1);
+    // Whoever records was told of another rate.
+    while frames.next_line().unwrap().is_some() {}
+    let header = client.frames().unwrap().next_line().unwrap().unwrap();
+    assert!(header.contains("rate-hz = 20\n") && header.contains("\ntime_s,"), "{header}");
     assert!(status.endpoints[0].address.ends_with(&second.port().to_string()), "{:?}", status.endpoints);
 
     folder.write("irhorizon.toml", "[daemon]\nrate-hz = 1000\n");

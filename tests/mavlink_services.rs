@@ -184,6 +184,15 @@ fn parameters_are_listed_set_and_kept() {
     let names: Vec<&str> = list.as_array().unwrap().iter().map(|p| p["param_id"].as_str().unwrap()).collect();
     assert!(names.contains(&"IRH_E1_VAL_HZ") && !names.contains(&"IRH_E2_VAL_HZ"), "{names:?}");
 
+    // A configuration that has been broken meanwhile: what is set is told to hold, and then told not to.
+    let (kept, sound) = (asked.kept(), std::fs::read_to_string(asked.folder.path("irhorizon.toml")).unwrap());
+    asked.folder.write("irhorizon.toml", format!("{sound}\noops ="));
+    asked.call();
+    assert_eq!(asked.answer(&["param-set", "IRH_ROLL_TRIM", "3"])["param_value"], 3.0);
+    assert!(asked.is_told("settings refused"), "{}", asked.daemon.said());
+    assert_eq!((asked.parameter("IRH_ROLL_TRIM"), asked.kept()), (12.0, kept));
+    asked.folder.write("irhorizon.toml", sound);
+
     // Without the file the configuration holds as it is written, from the next reload on.
     std::fs::remove_file(asked.folder.path("irhorizon.toml.parameters")).unwrap();
     asked.daemon.signal(Signal::HUP);

@@ -107,8 +107,8 @@ fn allocations(outages: Vec<Outage>, listener: bool, warm: u64, rounds: u64) -> 
     let head = Head::six();
     let field = FieldOfView::Gaussian { fwhm_deg: 90.0 };
     let source = SimulatedSource::new(&SimulationSettings::default(), &head, field).with_outages(outages);
-    let (shared, taps) = (Arc::new(Shared::default()), Arc::new(Taps::default()));
-    let tap = listener.then(|| taps.subscribe("time_s\n").unwrap());
+    let (shared, taps) = (Arc::new(Shared::default()), Arc::new(Taps::new("time_s\n")));
+    let tap = listener.then(|| taps.subscribe().unwrap());
     let horizon = Horizon::new(&settings, head.clone());
     let mut sampling = Sampling::new(head, Box::new(source), horizon, Arc::clone(&shared), taps, None);
     let mut packet = [0; 4096];

@@ -62,6 +62,20 @@ fn a_header_alone_is_a_recording_without_frames() {
     assert!(frames.is_empty() && reader.tally().is_clean());
 }
 
+/// As the daemon gives it: what was not read anew for ten seconds says nothing of now.
+#[test]
+fn a_die_temperature_lasts_ten_seconds() {
+    let cells = |t: u32| if t.is_multiple_of(20) { "15.5" } else { "" };
+    let body: String = (0..40).map(|t| format!("{t}.00,{},7\n", cells(t))).collect();
+    let text = format!("time_s,nose_amb_c,nose_obj_c\n{body}");
+    let (mut reader, mut frame) = (open(text.as_bytes()).unwrap(), Frame::default());
+    for t in 0..40 {
+        assert!(reader.next_frame(&mut frame).unwrap());
+        let Ok(Sample { value, .. }) = frame.readings[0] else { panic!("{t} s: no reading") };
+        assert_eq!(value.ambient_c(), (t % 20 <= 10).then_some(15.5), "{t} s");
+    }
+}
+
 #[test]
 fn every_bad_row_costs_itself_alone() {
     let body = "0.00,1,2\n\

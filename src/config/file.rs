@@ -34,7 +34,11 @@ fn drop_ins(path: &Path) -> Result<Vec<PathBuf>, ConfigError> {
     let mut folder = path.as_os_str().to_owned();
     folder.push(".d");
     let folder = PathBuf::from(folder);
-    let failed = |e: std::io::Error| ConfigError::whole(&folder, format!("cannot list the drop-ins: {e}"));
+    let failed = |e: std::io::Error| {
+        let next =
+            if e.kind() == ErrorKind::PermissionDenied { "; see its permissions (ls -ld, chmod 755)" } else { "" };
+        ConfigError::whole(&folder, format!("cannot list the drop-ins: {e}{next}"))
+    };
     let entries = match std::fs::read_dir(&folder) {
         Ok(entries) => entries,
         Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Vec::new()),

@@ -56,7 +56,9 @@ pub enum CtlError {
         faults: Vec<String>,
     },
     /// The stream of frames ended before the user ended it.
-    #[error("the daemon ended the stream of frames after {rows} rows; what was recorded until there is whole")]
+    #[error(
+        "the daemon ended the stream of frames after {rows} rows: it was stopped, or its configuration has changed; what was recorded until there is whole"
+    )]
     StreamEnded {
         /// Rows recorded.
         rows: u64,
@@ -142,7 +144,7 @@ pub enum CtlError {
     #[error("--fault cannot be: {0}")]
     Fault(#[from] FaultError),
     /// A file cannot be written.
-    #[error("writing {path} failed{}", kept(*.rows))]
+    #[error("writing {path} failed{}{}", forbidden(.source), kept(*.rows))]
     Write {
         /// The file.
         path: PathBuf,
@@ -164,6 +166,10 @@ pub enum CtlError {
 
 fn kept(rows: Option<u64>) -> String {
     rows.map(|n| format!("; the file ends whole after {n} rows")).unwrap_or_default()
+}
+
+fn forbidden(reason: &io::Error) -> &'static str {
+    if reason.kind() == io::ErrorKind::PermissionDenied { " (sudo?)" } else { "" }
 }
 
 fn because(faults: &[String]) -> String {

@@ -22,8 +22,8 @@ impl Alone {
     pub fn start(loaded: &Loaded) -> Result<(Self, OwnedFd), StartError> {
         let (settings, head) = (&loaded.settings, loaded.settings.head());
         let source = source::open(settings, &head).map_err(StartError::Configuration)?;
-        let taps = Arc::new(Taps::default());
-        let frames = taps.subscribe(Writer::new(&head, &loaded.text).header()).map_err(StartError::Frames)?;
+        let taps = Arc::new(Taps::new(Writer::new(&head, &loaded.text).header()));
+        let frames = taps.subscribe().map_err(StartError::Frames)?;
         let horizon = Horizon::new(settings, head.clone());
         let sampling = Sampling::new(head, source, horizon, Arc::new(Shared::default()), taps, None);
         let (rate_hz, stop) = (settings.rate_hz, Arc::new(AtomicBool::new(false)));

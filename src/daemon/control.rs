@@ -4,7 +4,6 @@ use crate::config::Loaded;
 use crate::ctl::view::Endpoint;
 use crate::dbus::{Control, ServiceInfo};
 use crate::mavlink::switchboard::Switchboard;
-use crate::recording::Writer;
 use signal_hook::consts::SIGHUP;
 use signal_hook::low_level::raise;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -38,8 +37,7 @@ impl Desk {
 }
 
 fn info(loaded: &Loaded) -> Arc<ServiceInfo> {
-    let header = Writer::new(&loaded.settings.head(), &loaded.text).header().to_owned();
-    Arc::new(ServiceInfo::new(&loaded.settings, header))
+    Arc::new(ServiceInfo::new(&loaded.settings))
 }
 
 impl Control for Desk {

@@ -67,7 +67,7 @@ impl Kept {
         }
         let lay = |text| config::load_with(&self.configuration, &self.path, text);
         let (loaded, some_hold) = lay(text.clone()).map_or_else(|_| one_by_one(plain, &text, lay), |l| (l, true));
-        if some_hold {
+        if some_hold && self.is_written() {
             log::info!(
                 "settings kept from MAVLink parameters hold: {} (remove it to be rid of them)",
                 self.path.display()
@@ -76,14 +76,26 @@ impl Kept {
         Ok(loaded)
     }
 
-    /// Keeps `changes`. They hold even where they cannot be written: until the next start then.
-    pub fn keep(&mut self, changes: &[Change]) {
-        let text = drop_in::with(&self.text(), changes);
+    /// Keeps `changes`, and gives what was kept before. They hold even where they cannot be written: until the next start
+    /// then.
+    pub fn keep(&mut self, changes: &[Change]) -> String {
+        let before = self.text();
+        self.put(drop_in::with(&before, changes));
+        before
+    }
+
+    /// Keeps `text` in place of all that is kept.
+    pub fn put(&mut self, text: String) {
         self.unwritten = None;
         if let Err(e) = replace(&mut FileSystem, &self.path, text.as_bytes()) {
             log::error!("{} cannot be written: {e}; the settings hold until the next start", self.path.display());
             self.unwritten = Some(text);
         }
+    }
+
+    /// Whether what holds will hold after the next start, too.
+    pub const fn is_written(&self) -> bool {
+        self.unwritten.is_none()
     }
 }
 

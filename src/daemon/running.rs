@@ -13,7 +13,7 @@ use crate::gpio::output::OutputLine;
 use crate::horizon::Horizon;
 use crate::mavlink::publisher::Publisher;
 use crate::mavlink::switchboard::Switchboard;
-use crate::recording::Taps;
+use crate::recording::{Taps, Writer};
 use crate::state::Shared;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -91,7 +91,7 @@ impl Running {
     pub fn start(loaded: Loaded, kept: Kept) -> Result<Self, StartError> {
         let settings = &loaded.settings;
         let shared = Arc::new(Shared::default());
-        let taps = Arc::new(Taps::default());
+        let taps = Arc::new(Taps::new(&header(&loaded)));
         let inbox = Arc::new(Inbox::default());
         let mavlink = Arc::new(Switchboard::new(settings.clone(), Arc::clone(&inbox), control::hang_up));
         let desk = Arc::new(Desk::new(&loaded, Arc::clone(&mavlink)));
@@ -115,7 +115,7 @@ impl Running {
         );
         // Not before it is known that no other daemon is there, whose signing time it would move on.
         let publisher = Arc::new(Publisher::new(&mavlink));
-        let sampling = Some(sample(settings, &shared, &taps, &inbox, &publisher)?);
+        let sampling = Some(sample(settings, None, &shared, &taps, &inbox, &publisher)?);
         {
             let (publisher, shared, mavlink) = (Arc::clone(&publisher), Arc::clone(&shared), Arc::clone(&mavlink));
             publishers.push(spawn("mavlink", move || publisher.run(&shared, &mavlink))?);
@@ -138,16 +138,22 @@ impl Running {
     /// nothing.
     pub fn reload(&mut self) {
         let changes = self.mavlink.take_changes();
-        if !changes.is_empty() {
-            changes.iter().for_each(|c| log::info!("set by MAVLink: {c}"));
-            self.kept.keep(&changes);
-        }
+        changes.iter().for_each(|c| log::info!("set by MAVLink: {c}"));
+        let before = (!changes.is_empty()).then(|| self.kept.keep(&changes));
         let outcome = match self.kept.load() {
             Ok(loaded) => self.take_up(loaded).map_err(|e| e.to_string()),
             Err(errors) => Err(errors.to_string()),
         };
-        // Also where it is refused: what MAVLink has ordered does not hold then.
-        self.mavlink.settle();
+        // What is refused must not come into force at some later start.
+        let trouble = match before {
+            Some(before) if outcome.is_err() => {
+                self.kept.put(before);
+                Some("settings refused: see the log")
+            }
+            Some(_) if !self.kept.is_written() => Some("set until restart: cannot be saved"),
+            _ => None,
+        };
+        self.mavlink.settle(trouble);
         self.shared.update(|s| s.generation += 1);
         match &outcome {
             Ok(()) => log::info!("configuration reloaded"),
@@ -165,14 +171,15 @@ impl Running {
         if changed.iter().any(|c| c.begins_anew()) {
             // The old loop must let go of buses and lines before the new one can have them.
             self.end_sampling();
-            match self.sample(new) {
+            match self.sample(new, Some(&header(&loaded))) {
                 Ok(sampling) => self.sampling = Some(sampling),
                 Err(e) => {
-                    self.sampling = Some(self.sample(&self.settings)?);
+                    self.sampling = Some(self.sample(&self.settings, None)?);
                     return Err(e);
                 }
             }
         } else if let Some(Loop { retune, .. }) = &self.sampling {
+            self.taps.describe(&header(&loaded));
             *retune.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(new.clone()));
         }
         self.mavlink.configure(new.clone());
@@ -184,8 +191,8 @@ impl Running {
         Ok(())
     }
 
-    fn sample(&self, settings: &Settings) -> Result<Loop, StartError> {
-        sample(settings, &self.shared, &self.taps, &self.inbox, &self.publisher)
+    fn sample(&self, settings: &Settings, header: Option<&str>) -> Result<Loop, StartError> {
+        sample(settings, header, &self.shared, &self.taps, &self.inbox, &self.publisher)
     }
 
     fn end_sampling(&mut self) {
@@ -220,9 +227,15 @@ pub(super) fn spawn(name: &str, body: impl FnOnce() + Send + 'static) -> Result<
     thread::Builder::new().name(name.to_owned()).stack_size(512 * 1024).spawn(body).map_err(StartError::Thread)
 }
 
-/// Starts a sampling loop.
+/// What a recording of frames begins with.
+fn header(loaded: &Loaded) -> String {
+    Writer::new(&loaded.settings.head(), &loaded.text).header().to_owned()
+}
+
+/// Starts a sampling loop; its frames begin with `header`, or with the one that the taps have.
 fn sample(
     settings: &Settings,
+    header: Option<&str>,
     shared: &Arc<Shared>,
     taps: &Arc<Taps>,
     inbox: &Arc<Inbox>,
@@ -245,6 +258,7 @@ fn sample(
         .with_publisher(Arc::clone(publisher))
         .with_retune(Arc::clone(&retune));
     let (rate_hz, flag) = (settings.rate_hz, Arc::clone(&stop));
+    header.into_iter().for_each(|header| taps.begin(header));
     let thread = spawn("sampling", move || sampling.run(rate_hz, &flag))?;
     Ok(Loop { stop, retune, thread })
 }

@@ -6,7 +6,7 @@ use super::fault_log::{FaultLog, Line};
 use super::ticker::Ticker;
 use super::watchdog::Watchdog;
 use crate::aiding::Inbox;
-use crate::attitude::Estimate;
+use crate::attitude::{Estimate, Mode};
 use crate::clock;
 use crate::config::Settings;
 use crate::frame::Frame;
@@ -108,12 +108,21 @@ impl Sampling {
             if let Some(watchdog) = &mut watchdog {
                 watchdog.scanned(&self.frame, &self.estimate);
             }
+            if let Some(still_s) = ticker.still_s.take() {
+                log::warn!(
+                    "sampling stood still for {still_s:.1} s: the machine slept, the daemon was stopped, or a bus was held"
+                );
+            }
             if ticker.overruns >= told * 10 + 50 {
                 told = ticker.overruns;
                 log::warn!(
                     "{told} scans left out since start: the machine or the bus is too slow; lower [daemon] rate-hz"
                 );
             }
+        }
+        if let Some(lamp) = &mut self.lamp {
+            // Nobody measures any more: dark would say that all is well.
+            let _ = lamp.show(Mode::Faulted, clock::now());
         }
     }
 

@@ -8,6 +8,9 @@ use std::time::Duration;
 /// The longest sleep at a stretch: how soon a stop is noticed at low rates.
 const SLICE: Duration = Duration::from_millis(100);
 
+/// What is late by more is no slow machine, s: it slept, or something hung.
+const STILL_S: f64 = 2.0;
+
 /// Ticks at a steady rate, without drift; ticks that were missed are left out, never made up for.
 #[derive(Debug)]
 pub struct Ticker {
@@ -15,12 +18,14 @@ pub struct Ticker {
     period: Duration,
     /// Ticks left out since start.
     pub overruns: u64,
+    /// For how long everything stood still before the last tick, s: no ticks of that time are counted.
+    pub still_s: Option<f64>,
 }
 
 impl Ticker {
     /// Ticks `rate_hz` times a second, the first at `start`.
     pub fn new(start: Time, rate_hz: f64) -> Self {
-        Self { next: start, period: Duration::from_secs_f64(1.0 / rate_hz), overruns: 0 }
+        Self { next: start, period: Duration::from_secs_f64(1.0 / rate_hz), overruns: 0, still_s: None }
     }
 
     /// The instant of the tick after `now`, and moves on to the one behind it.
@@ -29,7 +34,11 @@ impl Ticker {
         let period = self.period.as_secs_f64();
         if late > period {
             let missed = (late / period).floor();
-            self.overruns += missed as u64;
+            if late > STILL_S {
+                self.still_s = Some(late);
+            } else {
+                self.overruns += missed as u64;
+            }
             self.next = self.next + self.period.mul_f64(missed);
         }
         let tick = self.next;
@@ -70,7 +79,10 @@ mod tests {
         assert_eq!(t.advance(at(10.05)), at(10.04), "late by half a period: still this tick");
         let tick = t.advance(at(11.005));
         assert!(tick.since(at(11.0)).abs() < 1e-6, "after a stall the rhythm goes on: {tick:?}");
-        assert_eq!(t.overruns, 47);
+        assert_eq!((t.overruns, t.still_s), (47, None));
+        // As long as a night: nothing that a lower rate would mend.
+        t.advance(at(30011.01));
+        assert!(t.overruns == 47 && t.still_s.is_some_and(|s| (s - 30000.0).abs() < 0.02), "{:?}", t.still_s);
     }
 
     #[test]

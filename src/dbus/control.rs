@@ -1,6 +1,5 @@
 //! `org.irhorizon1.Control` changes the daemon, `org.irhorizon1.Stream` gives its frames away.
 
-use super::horizon::{SharedLive, lock};
 use super::info::Control;
 use crate::recording::Taps;
 use std::sync::Arc;
@@ -54,7 +53,6 @@ impl Commands {
 
 /// The object of `Stream`.
 pub(super) struct Stream {
-    pub live: SharedLive,
     pub taps: Arc<Taps>,
 }
 
@@ -64,8 +62,7 @@ impl Stream {
     /// A socket of packets (SOCK_SEQPACKET): the first is the CSV header line, then a CSV line for
     /// each frame. Close it to end the stream; what is not read in time is lost.
     fn frames(&self) -> Result<OwnedFd, Refusal> {
-        let header = lock(&self.live).info.frames_header.clone();
-        let fd = self.taps.subscribe(&header).map_err(|e| Refusal::Busy(e.to_string()))?;
+        let fd = self.taps.subscribe().map_err(|e| Refusal::Busy(e.to_string()))?;
         Ok(fd.into())
     }
 }

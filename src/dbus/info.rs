@@ -23,8 +23,6 @@ pub struct ServiceInfo {
     pub update: Duration,
     /// The age of the newest frame beyond which the attitude is not shown any more.
     pub overdue: Duration,
-    /// The first line of a stream of frames.
-    pub frames_header: String,
 }
 
 /// What is configured of a sensor.
@@ -43,8 +41,8 @@ pub struct SensorInfo {
 }
 
 impl ServiceInfo {
-    /// What the service says of these settings; a stream of frames begins with `frames_header`.
-    pub fn new(settings: &Settings, frames_header: String) -> Self {
+    /// What the service says of these settings.
+    pub fn new(settings: &Settings) -> Self {
         let head = settings.head();
         let sensors = head.sensors.iter().enumerate().map(|(i, sensor)| {
             let (name, direction) = (sensor.name.clone(), sensor.direction.to_string());
@@ -73,7 +71,6 @@ impl ServiceInfo {
             head,
             update: seconds(1.0 / settings.dbus.update_hz),
             overdue: seconds(settings.faults.stale_after_s + 2.0 / settings.rate_hz),
-            frames_header,
         }
     }
 }

@@ -81,7 +81,7 @@ mod tests {
     fn a_loop_that_hangs_is_told_whether_it_has_written_or_not() {
         let at = Time::from_secs_f64;
         for (sequence, written) in [(0, Time::default()), (1, at(100.0))] {
-            let mut live = Live::new(Arc::new(ServiceInfo::new(&Settings::default(), String::new())), at(100.0));
+            let mut live = Live::new(Arc::new(ServiceInfo::new(&Settings::default())), at(100.0));
             let newest = Snapshot { sequence, written, ..Snapshot::default() };
             let mut look = |secs| {
                 live.look(&newest, at(secs));
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn what_other_sensors_measured_is_not_told_of_these() {
         let settings = Settings::default();
-        let mut live = Live::new(Arc::new(ServiceInfo::new(&settings, String::new())), Time::default());
+        let mut live = Live::new(Arc::new(ServiceInfo::new(&settings)), Time::default());
         let mut head = settings.head();
         for same in [true, false] {
             let newest =

@@ -153,7 +153,7 @@ impl Serving<'_> {
         let bus = || service.bus.clone();
         let unreachable = |why: String| DbusError::Unreachable { bus: bus(), reason: why };
         let horizon = Horizon { live: live.clone(), control: service.control.clone() };
-        let stream = Stream { live: live.clone(), taps: service.taps.clone() };
+        let stream = Stream { taps: service.taps.clone() };
         let mut builder = builder(&service.bus)
             .map_err(|e| unreachable(reason(&e)))?
             .serve_at(PATH, horizon)

@@ -7,12 +7,14 @@
 use super::endpoint::stats::About;
 use super::endpoint::watch::{Ready, Watch};
 use super::link::{self, Link};
+use super::messages;
 use super::session::{Seen, Session};
 use super::station::Station;
 use super::switchboard::Switchboard;
 use crate::clock;
 use crate::state::{BEFORE, Bell, Moment, Shared, Snapshot};
 use crate::time::Time;
+use ::mavlink::dialects::common::MavSeverity;
 use std::os::fd::AsFd;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -125,10 +127,17 @@ impl Work {
         };
         if self.generation != Some(generation) {
             // In this order: what is settled meanwhile is in the settings, too.
-            let settled = switchboard.settled();
-            let old = self.station.configure(switchboard.settings(), settled);
+            let (settled, trouble) = switchboard.settled();
+            let (old, ordered) = self.station.configure(switchboard.settings(), settled);
             self.links = link::all(now, sent.after, self.station.settings(), std::mem::take(&mut self.links));
-            self.links.iter_mut().for_each(|l| l.configured(now, &old, self.station.settings()));
+            // What was ordered and is not so has been answered as if it were.
+            for old in ordered.iter().chain([&*old]) {
+                self.links.iter_mut().for_each(|l| l.configured(now, old, self.station.settings()));
+            }
+            if let Some(trouble) = trouble {
+                let note = messages::note(MavSeverity::MAV_SEVERITY_WARNING, trouble);
+                self.links.iter_mut().enumerate().for_each(|(i, l)| l.say(now, i, &note, &mut self.station));
+            }
             let silent = self.station.silent().unwrap_or_default();
             self.links.iter().for_each(|l| l.endpoint.stats().set_error(About::Key, silent.into()));
             switchboard.tell(self.links.iter().map(Link::stats).collect());

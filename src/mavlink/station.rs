@@ -41,8 +41,8 @@ impl Station {
     }
 
     /// Takes up a new configuration, with the first `settled` of all changes that were ordered since start; gives the one
-    /// before.
-    pub fn configure(&mut self, settings: Arc<Settings>, settled: usize) -> Arc<Settings> {
+    /// before, and what was ordered.
+    pub fn configure(&mut self, settings: Arc<Settings>, settled: usize) -> (Arc<Settings>, Option<Settings>) {
         // A key that was of no use may have been mended when the configuration is read again.
         let useless = self.silent().is_some() && !Arc::ptr_eq(&settings, &self.settings);
         if useless || settings.mavlink.signing_key != self.settings.mavlink.signing_key {
@@ -53,8 +53,8 @@ impl Station {
         // What was ordered while this was read comes next.
         self.pending.drain(..settled.saturating_sub(self.settled).min(self.pending.len()));
         self.settled = settled;
-        self.ordered = apply(&settings, &self.pending).ok().filter(|_| !self.pending.is_empty());
-        std::mem::replace(&mut self.settings, settings)
+        let wanted = apply(&settings, &self.pending).ok().filter(|_| !self.pending.is_empty());
+        (std::mem::replace(&mut self.settings, settings), std::mem::replace(&mut self.ordered, wanted))
     }
 
     /// Why nothing is sent and nothing heeded.

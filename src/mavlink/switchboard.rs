@@ -17,6 +17,8 @@ struct Changes {
     taken: usize,
     /// How many of them were judged since start: they hold now, or never will.
     settled: usize,
+    /// What is wrong with the last of these.
+    trouble: Option<&'static str>,
 }
 
 /// What the thread is told, and what it tells.
@@ -76,14 +78,17 @@ impl Switchboard {
     }
 
     /// The changes taken until here are in force by [`configure`](Self::configure), or refused: call this between that and
-    /// the change of the generation.
-    pub fn settle(&self) {
+    /// the change of the generation. Whoever listens is told `trouble`.
+    pub fn settle(&self, trouble: Option<&'static str>) {
         let mut changes = lock(&self.changes);
         changes.settled = changes.taken;
+        changes.trouble = trouble.or(changes.trouble);
     }
 
-    pub(super) fn settled(&self) -> usize {
-        lock(&self.changes).settled
+    /// How many were settled since start, and the trouble that is not told yet.
+    pub(super) fn settled(&self) -> (usize, Option<&'static str>) {
+        let mut changes = lock(&self.changes);
+        (changes.settled, changes.trouble.take())
     }
 
     pub(super) fn settings(&self) -> Arc<Settings> {

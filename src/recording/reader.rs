@@ -6,7 +6,7 @@ use super::lines::{Line, Lines, cells};
 use super::number::{parse, parse_nanos};
 use super::order::{Order, Verdict};
 use super::tally::{RowFault, Tally};
-use crate::frame::{Frame, Missing, Sample, Value};
+use crate::frame::{AMBIENT_LASTS_S, Frame, Missing, Sample, Value};
 use crate::head::{Head, SensorKind};
 use crate::time::Time;
 use std::io::BufRead;
@@ -45,7 +45,8 @@ pub struct Reader<R> {
     ours: bool,
     notices: Vec<String>,
     objects: Vec<Result<f64, Missing>>,
-    ambients: Vec<Option<f64>>,
+    /// The die temperatures, °C, with the time of their row once that is known, ns.
+    ambients: Vec<Option<(f64, Option<u64>)>>,
     aiding: [Option<f64>; AIDING.len()],
     /// The reference of the row taken apart last; of the frame given last.
     row_reference: Reference,
@@ -227,7 +228,9 @@ impl<R: BufRead> Reader<R> {
                 }
                 Column::Object(s) => self.objects[s] = number(TEMPERATURES_C),
                 Column::Volts(s) => self.objects[s] = number(VOLTS),
-                Column::Ambient(s) => self.ambients[s] = number(TEMPERATURES_C).ok().or(self.ambients[s]),
+                Column::Ambient(s) => {
+                    self.ambients[s] = number(TEMPERATURES_C).ok().map(|c| (c, None)).or(self.ambients[s]);
+                }
                 Column::Aiding(a) => aiding[a] = number(OTHERS).ok(),
                 Column::Reference(r) => reference[r] = number(OTHERS).ok(),
                 Column::Unknown => {}
@@ -241,6 +244,10 @@ impl<R: BufRead> Reader<R> {
             return Err(RowFault::Truncated);
         }
         let time = time.ok_or(if negative { RowFault::Negative } else { RowFault::NoTime })?;
+        for ambient in &mut self.ambients {
+            let read_at = ambient.map(|(c, at)| (c, at.unwrap_or(time)));
+            *ambient = read_at.filter(|(_, at)| is_recent(*at, time)).map(|(c, at)| (c, Some(at)));
+        }
         self.tally.cells += bad_cells;
         let temperatures = self.objects.iter().zip(&self.head.sensors).filter(|(_, s)| s.is_absolute());
         let coldest = temperatures.filter_map(|(c, _)| c.ok()).min_by(f64::total_cmp);
@@ -257,10 +264,12 @@ impl<R: BufRead> Reader<R> {
         frame.aiding = format::to_aiding(self.aiding);
         frame.readings.clear();
         frame.readings.extend(self.objects.iter().zip(&self.ambients).zip(&self.head.sensors).map(
-            |((value, ambient_c), sensor)| {
+            |((value, ambient), sensor)| {
                 value.map(|v| Sample {
                     value: match sensor.kind {
-                        SensorKind::Absolute { .. } => Value::Absolute { object_c: v, ambient_c: *ambient_c },
+                        SensorKind::Absolute { .. } => {
+                            Value::Absolute { object_c: v, ambient_c: ambient.map(|(c, _)| c) }
+                        }
                         SensorKind::Pair { .. } => Value::Volts(v),
                     },
                     time,
@@ -277,4 +286,9 @@ impl<R: BufRead> Reader<R> {
         let last = self.last.replace(nanos).unwrap_or(nanos);
         self.tally.wide += u64::from(nanos - last > WIDE_NANOS);
     }
+}
+
+/// Whether what was read at `at` is still given at `time`, both ns; not where the clock was set back beyond it.
+fn is_recent(at: u64, time: u64) -> bool {
+    time.abs_diff(at) as f64 <= AMBIENT_LASTS_S * 1e9
 }

@@ -217,7 +217,6 @@ pub fn info() -> ServiceInfo {
         trim: Attitude::from_degrees(0.5, -2.0),
         update: Duration::from_millis(100),
         overdue: Duration::from_secs(1),
-        frames_header: "time_s,nose_obj_c\n".into(),
     }
 }
 
@@ -251,7 +250,7 @@ impl Daemon {
 
     fn waiting(bus: &Bus, info: ServiceInfo, patience: Duration) -> Self {
         let shared = Arc::new(Shared::default());
-        let taps = Arc::new(Taps::default());
+        let taps = Arc::new(Taps::new("time_s,nose_obj_c\n"));
         let (info, reload) = (Mutex::new(Arc::new(info)), Mutex::new(Ok(())));
         let control = Arc::new(Fake { info, reload, asked: AtomicU32::new(0) });
         let service =

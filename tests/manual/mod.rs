@@ -48,7 +48,7 @@ pub fn of_command(mut command: Command, section: u8, rest: Rest) -> String {
     if let Some(text) = command.get_after_help() {
         page += &format!(".SH \"EXIT STATUS\"\n{}\n", text.to_string().replace('\n', "\n.br\n"));
     } else {
-        page += ".SH \"EXIT STATUS\"\n0: ended by a signal, in good order; 1: failed; 2: wrong usage; 78: the configuration cannot be used.\n";
+        page += ".SH \"EXIT STATUS\"\n0: ended by a signal, in good order; 1: failed; 64: wrong usage; 78: the configuration cannot be used.\n";
     }
     if name == "irhorizond" {
         page += ".SH SIGNALS\nSIGHUP has it read its configuration again; SIGTERM and SIGINT end it.\n";

@@ -79,7 +79,7 @@ impl Daemon for Fake {
     fn frames(&mut self) -> Result<OwnedFd, DaemonError> {
         let loaded = RUNS_ON.with_borrow(|path| irhorizon::config::load(path)).unwrap();
         let writer = Writer::new(&loaded.settings.head(), &loaded.text);
-        Taps::default().subscribe(writer.header()).map_err(|e| DaemonError::Refused(e.into()))
+        Taps::new(writer.header()).subscribe().map_err(|e| DaemonError::Refused(e.into()))
     }
 
     fn reload(&mut self) -> Result<(), DaemonError> {

@@ -4,7 +4,7 @@ use super::error::CalibrateError;
 use crate::config::{self, Loaded};
 use crate::ctl::error::CtlError;
 use crate::ctl::setup_args::Quantity;
-use crate::save::{FileSystem, Undone, replace_and_keep, undo};
+use crate::save::{FileSystem, Undone, can_be_saved, make_drop_ins, replace_and_keep, undo};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -52,14 +52,15 @@ impl DropIn {
         Ok(())
     }
 
+    /// Whether it can be saved.
+    pub fn prepare(&self) -> Result<(), CtlError> {
+        make_drop_ins(&self.path).and_then(|()| can_be_saved(&mut FileSystem, &self.path)).map_err(|e| self.failed(e))
+    }
+
     /// Saves it.
     pub fn save(&self, lines: &str) -> Result<(), CtlError> {
-        let made = match self.path.parent().map(fs::create_dir) {
-            Some(Err(e)) if e.kind() != io::ErrorKind::AlreadyExists => Err(e),
-            _ => Ok(()),
-        };
         let text = format!("# Written by irhorizonctl calibrate; --undo brings back what was before.\n{lines}");
-        made.and_then(|()| replace_and_keep(&mut FileSystem, &self.path, text.as_bytes())).map_err(|e| self.failed(e))
+        replace_and_keep(&mut FileSystem, &self.path, text.as_bytes()).map_err(|e| self.failed(e))
     }
 
     /// Brings back what was there before.

@@ -74,6 +74,9 @@ pub fn command(
         Quantity::Level => level::ready(&now).map(|()| level::INSTRUCTIONS),
         Quantity::Neutral => neutral::ready(&now, &loaded.settings).map(|()| neutral::INSTRUCTIONS),
     }?;
+    if !args.dry_run {
+        drop_in.prepare()?;
+    }
     let _ = writeln!(err, "{instructions}");
     if !args.yes && !(kit.ask)("Is it so, and will it stay so?").map_err(CalibrateError::Ask)? {
         return Err(CalibrateError::Declined.into());

@@ -27,8 +27,8 @@ impl Sink for SmallDisk {
 }
 
 fn stream(rows: usize) -> OwnedFd {
-    let taps = Taps::default();
-    let fd = taps.subscribe("# irhorizon\ntime_s,nose_obj_c\n").unwrap();
+    let taps = Taps::new("# irhorizon\ntime_s,nose_obj_c\n");
+    let fd = taps.subscribe().unwrap();
     let mut line = String::new();
     for i in 0..rows {
         taps.offer(&mut line, |l| l.push_str(&format!("{i},1\n")));
@@ -56,8 +56,8 @@ fn a_full_disk_keeps_whole_lines() {
 
 #[test]
 fn a_limit_and_a_request_end_it_well() {
-    let taps = Taps::default();
-    let fd = taps.subscribe("time_s\n").unwrap();
+    let taps = Taps::new("time_s\n");
+    let fd = taps.subscribe().unwrap();
     let mut disk = SmallDisk { room: 40, ..SmallDisk::default() };
     let (rows, end) = record(&fd, &mut disk, Some(Duration::from_millis(20)), &AtomicBool::new(false));
     assert!(end.is_ok());

@@ -7,7 +7,7 @@ use crate::bus::linux::LinuxBus;
 use crate::bus::{BusError, PecBus};
 use crate::clock;
 use crate::config::settings::{Mlx90614Settings, PecPolicy};
-use crate::frame::{Missing, Reading, Sample, Value};
+use crate::frame::{AMBIENT_LASTS_S, Missing, Reading, Sample, Value};
 use crate::sensor::Chip;
 use crate::source::{Integrity, SensorHealth};
 use crate::time::Time;
@@ -15,8 +15,6 @@ use crate::time::Time;
 /// Opens the chip's end of its bus.
 pub type OpenBus = Box<dyn FnMut() -> Result<Box<dyn PecBus>, BusError> + Send>;
 
-/// A die temperature read longer ago is not given any more, s.
-const AMBIENT_MAX_AGE_S: f64 = 10.0;
 /// How often a word is asked for before the chip is not opened for it.
 const TRIES: usize = 3;
 
@@ -134,7 +132,7 @@ impl Mlx90614Chip {
 
     /// The last die temperature, unless it is too old.
     fn ambient_at(&self, now: Time) -> Option<f64> {
-        self.ambient.filter(|(_, at)| now.since(*at) <= AMBIENT_MAX_AGE_S).map(|(t, _)| t)
+        self.ambient.filter(|(_, at)| now.since(*at) <= AMBIENT_LASTS_S).map(|(t, _)| t)
     }
 }
 
