@@ -64,7 +64,7 @@ fn flown(settings: &Settings) -> Option<([Vec<f64>; 2], Attitude)> {
     );
     assert!(roll.len() > 400);
     // The head sees as it should, though GPS smooths its turns; the report's sine shows them larger than they are.
-    let most = if settings.estimator.method == Some(Method::Profile) { 0 } else { 15 };
+    let most = if settings.estimator.method == Some(Method::Profile) { 0 } else { 20 };
     assert!(out_of_scale <= most, "the scale is said to be wrong in {out_of_scale} frames");
     Some(([roll, pitch], estimate.trim))
 }

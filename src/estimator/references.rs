@@ -1,6 +1,6 @@
 //! What GPS and airspeed say of the attitude: the bank of a coordinated turn, the angle of climb, the heading.
 
-use crate::estimator::flying::{G_M_S2, Held, flying, fresh, keep, speed, wrapped};
+use crate::estimator::flying::{Flight, G_M_S2, Held, fresh, keep, speed, wrapped};
 use crate::estimator::wind::{Speed, Wind};
 use crate::frame::Aiding;
 use crate::time::Time;
@@ -82,6 +82,7 @@ struct Leg {
 pub struct References {
     airspeed: Held,
     ground_speed: Held,
+    flight: Flight,
     course: Held,
     wind: Wind,
     climbed: Option<Time>,
@@ -96,7 +97,7 @@ impl References {
         keep(&mut self.airspeed, speed(aiding.airspeed_m_s), now);
         keep(&mut self.ground_speed, speed(aiding.ground_speed_m_s), now);
         keep(&mut self.course, course, now);
-        let (airspeed, ground_speed) = (flying(self.airspeed, now), flying(self.ground_speed, now));
+        let [airspeed, ground_speed] = self.flight.speeds([self.airspeed, self.ground_speed], now);
         if let Some(fix) = ground_speed.zip(course) {
             self.wind.hear(fix, aiding.climb_m_s.unwrap_or(0.0), airspeed, now);
         }
@@ -188,11 +189,14 @@ mod tests {
     fn the_climb_is_on_the_airspeed_where_there_is_one() {
         let mut references = References::default();
         let mut aiding = Aiding { ground_speed_m_s: Some(10.0), climb_m_s: Some(2.0), ..Aiding::default() };
-        assert_eq!(references.hear(&aiding, 0.0, Time::from_secs_f64(1.0)).climb, None, "it stands for no time");
-        let on = references.hear(&aiding, 0.0, Time::from_secs_f64(2.0)).climb.unwrap();
+        for s in 0..5 {
+            let said = references.hear(&aiding, 0.0, Time::from_secs_f64(f64::from(s)));
+            assert_eq!(said.climb.is_some(), s == 4, "{s} s: it may be taxiing, then stands for no time");
+        }
+        let on = references.hear(&aiding, 0.0, Time::from_secs_f64(5.0)).climb.unwrap();
         assert!((on.angle.sin() - 0.2).abs() < 1e-9 && on.span_s == 1.0);
         aiding.airspeed_m_s = Some(20.0);
-        let on = references.hear(&aiding, 0.0, Time::from_secs_f64(3.0)).climb.unwrap();
+        let on = references.hear(&aiding, 0.0, Time::from_secs_f64(6.0)).climb.unwrap();
         assert!((on.angle.sin() - 0.1).abs() < 1e-9);
         assert!((3.0..5.0).contains(&on.sigma.to_degrees()));
     }
