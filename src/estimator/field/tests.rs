@@ -11,6 +11,7 @@ use crate::simulation::scenario::Scenario;
 use crate::sky::family::LN_DEPTH;
 use crate::source::FrameSource;
 
+mod ground;
 mod readings;
 
 /// The largest error of roll and pitch, °, over the last half of `seconds` of a scenario whose frames
