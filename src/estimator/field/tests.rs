@@ -11,8 +11,8 @@ use crate::simulation::scenario::Scenario;
 use crate::sky::family::LN_DEPTH;
 use crate::source::FrameSource;
 
-mod ground;
 mod readings;
+mod straight;
 
 /// The largest error of roll and pitch, °, over the last half of `seconds` of a scenario whose frames
 /// `spoil` may change.
