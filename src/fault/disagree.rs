@@ -1,6 +1,7 @@
 //! Roll and pitch against the turn and the climb that are flown, and whether the head is wired as it is configured.
 
 mod scale;
+mod side;
 
 use super::debounce::Debounce;
 use super::wired::Wired;
@@ -11,6 +12,7 @@ use crate::estimator::references::{Angle, CORRELATION_S, References, STEEPEST};
 use crate::frame::Aiding;
 use crate::time::Time;
 use scale::Scale;
+use side::Side;
 use std::f64::consts::FRAC_PI_2;
 
 /// Over this time differences are averaged, s.
@@ -47,6 +49,7 @@ pub struct Disagree {
     limit: f64,
     wired: Wired,
     scale: Scale,
+    side: Side,
     references: References,
     roll: Difference,
     pitch: Difference,
@@ -70,6 +73,7 @@ impl Disagree {
             limit,
             wired: Wired::default(),
             scale: Scale::default(),
+            side: Side::default(),
             references,
             roll: none,
             pitch: none,
@@ -92,7 +96,8 @@ impl Disagree {
     pub fn update(&mut self, attitude: Option<(Attitude, Attitude)>, aiding: &Aiding, now: Time) {
         let Some((attitude, sigma)) = attitude else {
             let (wired, scale) = (std::mem::take(&mut self.wired), std::mem::take(&mut self.scale));
-            *self = Self { wired, scale, ..Self::new(self.limit) };
+            let side = std::mem::take(&mut self.side);
+            *self = Self { wired, scale, side, ..Self::new(self.limit) };
             return;
         };
         let heard = self.references.hear(aiding, attitude.roll, now);
@@ -105,6 +110,9 @@ impl Disagree {
                 self.scale.compare(roll, bank, now);
                 // How steep a steep one is nobody knows: one of the two that is disagrees by so much at least.
                 let [roll, angle] = [roll, bank.angle].map(|a| a.clamp(-STEEPEST, STEEPEST));
+                if let Some(course) = heard.course {
+                    self.side.roll(roll - angle, bank, course, now);
+                }
                 self.roll.compare(roll, Angle { angle, ..bank }, now);
             } else {
                 self.roll.forget();
@@ -113,9 +121,13 @@ impl Disagree {
         if let Some(climb) = heard.climb {
             let pitch = self.pitched.0 / self.pitched.1;
             self.pitched = (0.0, 0.0);
+            if let Some(course) = heard.course.filter(|_| flying) {
+                self.side.pitch(pitch - climb.angle, climb, course, now);
+            }
             self.pitch.compare(pitch, climb, now);
         }
         self.scale.judge(attitude, now);
+        self.side.judge(now);
         self.roll.judge(self.limit, sigma.roll, now);
         self.pitch.judge(self.limit, sigma.pitch, now);
     }
@@ -127,7 +139,7 @@ impl Disagree {
         let of = |d: &Difference| if d.disagrees.is_active() { share * d.found } else { 0.0 };
         let own = Attitude { roll: of(&self.roll), pitch: of(&self.pitch) };
         let larger = |a: Attitude, b: Attitude| Attitude { roll: a.roll.max(b.roll), pitch: a.pitch.max(b.pitch) };
-        larger(own, larger(self.wired.doubt(), self.scale.doubt()))
+        larger(own, larger(self.side.doubt(), larger(self.wired.doubt(), self.scale.doubt())))
     }
 
     /// Adds what is there to `faults`.
