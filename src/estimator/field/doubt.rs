@@ -15,7 +15,7 @@ const UNEXPECTED: f64 = 3.0;
 const LOOKED_AROUND: f64 = 3.5;
 /// And by so much enough to tell a horizon that leans from sensors that are off by no more than the second, K.
 const TURNED: f64 = 0.8;
-const OFF_K: f64 = 0.2;
+const OFF_K: f64 = 0.15;
 /// Straight on, so many times the lean of a horizon that leans is expected: twice that holds nineteen flights in twenty where
 /// one in five has one (of 0.2, a quarter is beyond 1.15).
 const HELD: f64 = 1.15 / 2.0;
