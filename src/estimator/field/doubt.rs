@@ -13,9 +13,6 @@ const UNLIKE: (f64, f64) = (0.1, 0.5);
 const UNEXPECTED: f64 = 3.0;
 /// Turns by so much, rad, show all sides.
 const LOOKED_AROUND: f64 = 3.5;
-/// And by so much enough to tell a horizon that leans from sensors that are off by no more than the second, K.
-const TURNED: f64 = 0.8;
-const OFF_K: f64 = 0.15;
 /// Straight on, so many times the lean of a horizon that leans is expected: twice that holds nineteen flights in twenty where
 /// one in five has one (of 0.2, a quarter is beyond 1.15).
 const HELD: f64 = 1.15 / 2.0;
@@ -52,10 +49,7 @@ impl FieldEstimator {
             self.unlike = true;
             self.doubt_sky();
         }
-        // Before the first turn nothing tells a horizon that leans from sensors that are off, as all are a little.
-        self.looked = self.looked.max(self.around.ever());
-        let told_apart = self.looked > TURNED || self.scene.seen_k() > OFF_K;
-        let even = self.told && !self.leant && told_apart;
+        let even = self.told && !self.leant;
         // Where much depends on it the sky's shape is found first: a lean that is expected in vain is there for minutes.
         let sure = if self.gyro.in_use() { self.scene.surely_unlike() } else { unlike } > UNLIKE.1;
         let found = sure && (even || !self.tilted) || even && self.leans();
@@ -116,7 +110,7 @@ impl FieldEstimator {
         let t = &self.tuning;
         let straight = 1.0 - (self.around.ever() / LOOKED_AROUND).min(1.0);
         // Straight on, turns and climb tell of a lean no more than readings do.
-        let unseen = straight * t.unlike_lean * if self.leant || self.unlike { 1.0 } else { HELD };
+        let unseen = straight * t.unlike_lean * if self.leant { 1.0 } else { HELD };
         let [roll, pitch] = [0, 1].map(|i| {
             let offset = if self.told { (self.state.x[OFFSET + i].abs() - USUAL_OFFSET).max(0.0) } else { 0.0 };
             unseen.hypot(straight * offset)

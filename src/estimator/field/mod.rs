@@ -181,8 +181,6 @@ pub struct FieldEstimator {
     turned: f64,
     /// How far around it has looked since it began.
     around: Around,
-    /// The farthest that it ever has, however often it began anew, rad.
-    looked: f64,
     /// Where the upward vertical has been lately, on (nose, left, up).
     vertical_lately: Vector,
     /// How much of what makes the scene unlike an even sky lies on the ground.
@@ -245,7 +243,6 @@ impl FieldEstimator {
             manoeuvre: Manoeuvre::default(),
             turned: 0.0,
             around: Around::default(),
-            looked: 0.0,
             vertical_lately: [0.0, 0.0, 1.0],
             beneath: Beneath::default(),
             moved: Moved::default(),

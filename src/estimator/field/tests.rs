@@ -12,7 +12,6 @@ use crate::sky::family::LN_DEPTH;
 use crate::source::FrameSource;
 
 mod readings;
-mod straight;
 
 /// The largest error of roll and pitch, °, over the last half of `seconds` of a scenario whose frames
 /// `spoil` may change.
