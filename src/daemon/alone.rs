@@ -1,11 +1,11 @@
 //! The sampling loop by itself: what records the frames of a head that no daemon reads.
 
-use super::running::{StartError, spawn};
+use super::running::{StartError, header, spawn};
 use super::sampling::Sampling;
 use super::source;
 use crate::config::Loaded;
 use crate::horizon::Horizon;
-use crate::recording::{Taps, Writer};
+use crate::recording::Taps;
 use crate::state::Shared;
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ impl Alone {
     pub fn start(loaded: &Loaded) -> Result<(Self, OwnedFd), StartError> {
         let (settings, head) = (&loaded.settings, loaded.settings.head());
         let source = source::open(settings, &head).map_err(StartError::Configuration)?;
-        let taps = Arc::new(Taps::new(Writer::new(&head, &loaded.text).header()));
+        let taps = Arc::new(Taps::new(&header(loaded)));
         let frames = taps.subscribe().map_err(StartError::Frames)?;
         let horizon = Horizon::new(settings, head.clone());
         let sampling = Sampling::new(head, source, horizon, Arc::new(Shared::default()), taps, None);

@@ -228,7 +228,7 @@ pub(super) fn spawn(name: &str, body: impl FnOnce() + Send + 'static) -> Result<
 }
 
 /// What a recording of frames begins with.
-fn header(loaded: &Loaded) -> String {
+pub(super) fn header(loaded: &Loaded) -> String {
     Writer::new(&loaded.settings.head(), &loaded.text).header().to_owned()
 }
 

@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 pub const G_M_S2: f64 = 9.806_65;
 /// What flies is faster than this, and nothing is faster than that, m/s.
 pub const FLYING_M_S: std::ops::Range<f64> = 6.0..200.0;
-/// What takes off is faster than the first in all that is heard, and for so long, s, or faster than the second in some of it:
-/// taxiing is not, nor is a parked aircraft in the wind.
+/// What takes off is faster than the first in all that is heard, and faster than the second in some of it, or for so long, s: a
+/// taxiing aircraft is not, nor is a parked one in the wind.
 const TAKES_OFF_M_S: (f64, f64) = (8.0, 12.0);
 const TAKES_OFF_S: f64 = 3.0;
 /// What is slower than anything that flies for so long has landed, s.

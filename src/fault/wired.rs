@@ -11,7 +11,7 @@ use crate::time::Time;
 use std::f64::consts::PI;
 use ways::Ways;
 
-pub(super) use ways::{REMEMBERED_S, beside_askew};
+pub(super) use ways::{ASKEW, REMEMBERED_S, beside_askew};
 
 /// Seconds for which it must be gone; the method has taken its time to find it.
 const GONE_S: f64 = 3.0;

@@ -1,19 +1,21 @@
 //! Roll and pitch that are off by what turns with the heading: one side is warmer, and the horizon that is seen leans.
 //!
-//! A lean up to the north lowers what pitch is shown flying north, and lifts the wing on that side flying west. What turns with
-//! the heading has no mean over a turn, which is what single angles are judged by.
+//! Where north is warmer the nose is shown too low flying north, and flying west the right wing. What turns with the heading has
+//! no mean over a turn, which is what single angles are judged by.
 
 use super::{LASTS_S, STALE_S};
 use crate::attitude::Attitude;
 use crate::estimator::linear::solve;
 use crate::estimator::references::Angle;
 use crate::fault::debounce::Debounce;
+use crate::fault::wired::ASKEW;
 use crate::time::Time;
 
 /// Over this time it is found, s: clouds pass.
 const FOUND_S: f64 = 60.0;
-/// How large leans are, to north and to west, and what is always too much of roll and pitch, rad.
+/// How large leans are, to north and to west, rad; and where there are none.
 const USUAL: f64 = 0.1;
+const NONE: f64 = 1e-6;
 /// A lean from which it matters, and below which it does not any more, rad (4°, 2.5°).
 const LEANS: (f64, f64) = (0.07, 0.044);
 /// By so much the squares of the differences, in σ², must be smaller with it.
@@ -71,13 +73,13 @@ impl Side {
         // What is explained in σ² by all four, and without leans.
         let explained = |leans: f64| {
             let mut normal = self.normal;
-            for (i, usual) in [leans, leans, USUAL, USUAL].into_iter().enumerate() {
+            for (i, usual) in [leans, leans, ASKEW, ASKEW].into_iter().enumerate() {
                 normal[i][i] += usual.powi(-2);
             }
             let x = solve(normal, self.right)?;
             Some((x, x.iter().zip(self.right).map(|(x, r)| x * r).sum::<f64>()))
         };
-        let (Some(([north, west, ..], with)), Some((_, without))) = (explained(USUAL), explained(1e-6)) else { return };
+        let (Some(([north, west, ..], with)), Some((_, without))) = (explained(USUAL), explained(NONE)) else { return };
         self.lean = north.hypot(west);
         let least = if self.amiss.is_active() { LEANS.1 } else { LEANS.0 };
         self.there = self.lean > least && with - without > SMALLER;

@@ -15,7 +15,7 @@ const LEFT: (f64, f64) = (0.3, 0.6);
 /// Ways that differ by less are about as good, σ².
 const AS_GOOD: f64 = 10.0;
 /// A head may sit askew by about so much (1σ), rad: what is always the same of a difference tells no more.
-const ASKEW: f64 = 8_f64.to_radians();
+pub const ASKEW: f64 = 8_f64.to_radians();
 
 /// What a head that sits askew does not explain of the weighted sum `product` of two values whose weighted sums are `sums`.
 pub fn beside_askew(product: f64, sums: [f64; 2], weights: f64) -> f64 {
