@@ -17,7 +17,10 @@ use irhorizon::state::Shared;
 use irhorizon::time::Time;
 use process::stalls::Watch;
 use process::{ATTITUDE, Daemon, Folder, HEARTBEAT, Receiver};
+use rustix::fs::{OFlags, fcntl_setfl};
 use rustix::process::Signal;
+use std::io::Write;
+use std::process::Command;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -55,6 +58,34 @@ fn it_ends_within_half_a_second_and_says_so() {
             assert!(daemon.said().ends_with("stopped\n"), "{}", daemon.said());
         }
     }
+}
+
+/// A terminal held by Ctrl-S, or a journal that hangs, is a pipe that is full.
+#[test]
+fn a_log_that_nobody_reads_keeps_neither_the_attitude_nor_the_end_waiting() {
+    let (folder, receiver) = (Folder::new(), Receiver::new());
+    let (unread, mut full) = std::io::pipe().unwrap();
+    fcntl_setfl(&full, OFlags::NONBLOCK).unwrap();
+    while full.write(b"\n").is_ok() {}
+    fcntl_setfl(&full, OFlags::empty()).unwrap();
+    let mut command = Command::new(process::DAEMON);
+    command.args(["--log-level", "debug", "--config"]);
+    command.arg(folder.write("irhorizon.toml", config(50, "none", &[&receiver])));
+    let mut daemon = Daemon::spawn_into(command, full.into(), folder.write("log", ""));
+    receiver.wait(ATTITUDE);
+    // Each time it has something to say.
+    for _ in 0..3 {
+        daemon.signal(Signal::HUP);
+        receiver.forget();
+        receiver.wait(ATTITUDE);
+    }
+    let told = Watch::start();
+    daemon.signal(Signal::TERM);
+    let status = daemon.ended();
+    let took = told.stop();
+    assert!(status.success(), "{status}");
+    assert!(took.within(Duration::from_millis(600)), "{took:?}");
+    drop(unread);
 }
 
 /// A signal that comes while the daemon is still starting is not lost either.

@@ -42,6 +42,8 @@ pub fn run(
             return EXIT_USAGE;
         }
     };
+    // What the log has to say about it comes first.
+    log::logger().flush();
     match outcome {
         Ok(code) => code,
         Err(e) if e.is_broken_pipe() => EXIT_OK,

@@ -8,7 +8,8 @@
 //! - [`kept`]: settings changed in operation;
 //! - [`control`]: what D-Bus may ask of the daemon.
 //!
-//! Threads: `main` waits for signals, `sampling` makes frames, `mavlink` and `dbus` publish them.
+//! Threads: `main` waits for signals, `sampling` makes frames, `mavlink` and `dbus` publish them, `log` writes what all
+//! of them say.
 
 pub mod alignment;
 pub mod alone;
@@ -49,6 +50,13 @@ pub fn main() -> ExitCode {
         }
     };
     logging::start("irhorizond", cli.log_level.into());
+    let code = run(&cli);
+    log::logger().flush();
+    code
+}
+
+/// The daemon, until it is told to end.
+fn run(cli: &Cli) -> ExitCode {
     let kept = Kept::new(&cli.config);
     let loaded = match kept.load() {
         Ok(loaded) => loaded,

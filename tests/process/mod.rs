@@ -60,8 +60,12 @@ impl Daemon {
         Self::spawn(command, folder.path("log"))
     }
 
-    pub fn spawn(mut command: Command, log: PathBuf) -> Self {
-        let stderr = fs::File::create(&log).unwrap();
+    pub fn spawn(command: Command, log: PathBuf) -> Self {
+        Self::spawn_into(command, fs::File::create(&log).unwrap().into(), log)
+    }
+
+    /// One that speaks into `stderr`.
+    pub fn spawn_into(mut command: Command, stderr: Stdio, log: PathBuf) -> Self {
         let child = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(stderr).spawn().unwrap();
         Self { child, log }
     }
