@@ -1,7 +1,7 @@
 //! What GPS and airspeed say of the attitude: the bank of a coordinated turn, the angle of climb, the heading.
 
 use crate::estimator::flying::{Flight, G_M_S2, Held, fresh, keep, speed, wrapped};
-use crate::estimator::wind::{Speed, Wind};
+use crate::estimator::wind::{Speed, ThroughAir, Wind};
 use crate::frame::Aiding;
 use crate::time::Time;
 use std::f64::consts::PI;
@@ -16,7 +16,7 @@ pub const STEEPEST: f64 = PI / 4.0;
 const JUMPS: f64 = PI / 2.4;
 
 /// How far a single bank is off: sideslip, gusts, a turn that begins or ends (rad), and, as a share of
-/// it, a drift between heading and course, which lets a turn look wider.
+/// it, wind that is not known, which lets a turn look wider.
 const BANK_SIGMA: f64 = 8_f64.to_radians();
 const BANK_SHARE: f64 = 0.2;
 /// How far a single angle of climb is off: the angle of attack that comes and goes (rad), and air that
@@ -67,10 +67,11 @@ impl Heard {
     }
 }
 
-/// From one course to the next, with the estimated roll in between.
+/// From one fix to the next, with the estimated roll in between.
 #[derive(Clone, Copy, Debug)]
 struct Leg {
-    course: f64,
+    /// Ground speed, m/s, and course, rad.
+    fix: (f64, f64),
     began: Time,
     roll: (f64, Time),
     /// The integral of roll, rad·s.
@@ -105,10 +106,13 @@ impl References {
         // A ground speed that the airspeed contradicts is none.
         let ground_speed = ground_speed.filter(|_| speed.is_some());
         Heard {
-            bank: self.bank(course, ground_speed, roll, now),
+            bank: self.bank(ground_speed, course, roll, now),
             climb: self.climb(aiding.climb_m_s, speed, now),
             course: fresh(self.course, now),
-            heading: ground_speed.zip(course).map(|fix| self.wind.heading(fix)),
+            heading: ground_speed.zip(course).map(|fix| {
+                let ThroughAir { heading, sigma, .. } = self.wind.through_air(fix);
+                (heading, sigma)
+            }),
             speed,
         }
     }
@@ -123,8 +127,9 @@ impl References {
         usable.then_some(Angle { angle, sigma, span_s })
     }
 
-    fn bank(&mut self, course: Option<f64>, speed_m_s: Option<f64>, roll: f64, now: Time) -> Option<(Angle, f64)> {
-        let Some(speed) = speed_m_s else {
+    /// What turns through the air is banked: over ground, against the wind, a turn looks tighter than it is and slower.
+    fn bank(&mut self, ground: Option<f64>, course: Option<f64>, roll: f64, now: Time) -> Option<(Angle, f64)> {
+        let Some(ground) = ground else {
             self.leg = None;
             return None;
         };
@@ -139,14 +144,18 @@ impl References {
         if !(0.0..=LONGEST_S).contains(&span_s) {
             self.leg = None;
         }
-        let course = course?;
+        let fix = (ground, course?);
         let leg = self.leg.filter(|_| span_s >= SHORTEST_S);
         if leg.is_some() || self.leg.is_none() {
-            self.leg = Some(Leg { course, began: now, roll: (roll, now), area: 0.0 });
+            self.leg = Some(Leg { fix, began: now, roll: (roll, now), area: 0.0 });
         }
         let leg = leg?;
-        let bank = (speed * wrapped(course - leg.course) / span_s / G_M_S2).atan();
-        let angle = Angle { angle: bank, sigma: BANK_SIGMA.hypot(BANK_SHARE * bank), span_s };
+        // Both by what is known of the wind now: what is learnt of it meanwhile is no turn.
+        let [from, to] = [leg.fix, fix].map(|fix| self.wind.through_air(fix));
+        let turned = 0.5 * (from.m_s + to.m_s) * wrapped(to.heading - from.heading);
+        let bank = (turned / span_s / G_M_S2).atan();
+        let share = BANK_SHARE.hypot(1.0 - to.sigma.cos());
+        let angle = Angle { angle: bank, sigma: BANK_SIGMA.hypot(share * bank), span_s };
         let roll = leg.area / span_s;
         (bank.abs() < JUMPS).then_some((angle, roll))
     }
@@ -183,6 +192,32 @@ mod tests {
         }
         let left = heard(&[(10.0, 18.0, 0.0), (355.0, 18.0, 0.0)]);
         assert!(left[1].bank.unwrap().0.angle < 0.0);
+    }
+
+    /// Over ground the circles of a thermal are no circles: with ground speed and course alone 35° were 29.5°, and were learnt as
+    /// the head's trim.
+    #[test]
+    fn a_bank_in_wind_is_that_through_the_air() {
+        let (speed, bank, wind): (f64, f64, [f64; 2]) = (12.0, 35_f64.to_radians(), [6.0, -8.0]);
+        let rate = G_M_S2 * bank.tan() / speed;
+        for airspeed_m_s in [None, Some(speed)] {
+            let (mut references, mut said) = (References::default(), Vec::new());
+            for i in 0..5 * 120 {
+                let time_s = 0.2 * f64::from(i);
+                let heading = rate * time_s;
+                let (north, east) = (speed * heading.cos() + wind[0], speed * heading.sin() + wind[1]);
+                let aiding = Aiding {
+                    course_deg: Some(east.atan2(north).to_degrees()),
+                    ground_speed_m_s: Some(north.hypot(east)),
+                    airspeed_m_s,
+                    ..Aiding::default()
+                };
+                let heard = references.hear(&aiding, bank, Time::from_secs_f64(10.0 + time_s));
+                said.extend(heard.bank.filter(|_| time_s > 30.0).map(|(bank, _)| bank.angle.to_degrees()));
+            }
+            let mean = said.iter().sum::<f64>() / said.len() as f64;
+            assert!(said.len() > 50 && (mean - 35.0).abs() < 1.0, "{airspeed_m_s:?}: {mean} of {}", said.len());
+        }
     }
 
     #[test]

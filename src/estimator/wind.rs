@@ -36,6 +36,17 @@ pub struct Speed {
     pub measured: bool,
 }
 
+/// How something flies through the air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThroughAir {
+    /// How fast, m/s.
+    pub m_s: f64,
+    /// Where to, rad: its nose looks there.
+    pub heading: f64,
+    /// How far that may be off (1σ), rad.
+    pub sigma: f64,
+}
+
 /// The wind's motion to north and east, m/s, and the true airspeed over the said one (without one, itself, m/s).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wind {
@@ -91,15 +102,16 @@ impl Wind {
         likely.contains(&factor).then(|| Speed { m_s, share: passing.hypot(p[2][2].sqrt() / factor), measured })
     }
 
-    /// Where the nose looks on a ground speed (m/s) with a course (rad), and how far that may be off (1σ), rad: the course,
-    /// less the drift.
-    pub fn heading(&self, (ground, course): (f64, f64)) -> (f64, f64) {
-        let Some(known) = self.known else { return (course, (WIND_M_S.0 / ground).min(1.0)) };
+    /// How it flies through the air on a ground speed (m/s) with a course (rad): the same less the wind, as far as that is known.
+    pub fn through_air(&self, (ground, course): (f64, f64)) -> ThroughAir {
+        let Some(known) = self.known else {
+            return ThroughAir { m_s: ground, heading: course, sigma: (WIND_M_S.0 / ground).min(1.0) };
+        };
         let (north, east) = (ground * course.cos() - known.x[0], ground * course.sin() - known.x[1]);
-        let (speed, heading) = (north.hypot(east).max(1.0), east.atan2(north));
+        let (speed, heading) = (north.hypot(east), east.atan2(north));
         let across = [-heading.sin(), heading.cos()];
         let variance: f64 = (0..2).map(|i| (0..2).map(|j| across[i] * known.p[i][j] * across[j]).sum::<f64>()).sum();
-        (heading, (variance.sqrt() / speed).min(1.0))
+        ThroughAir { m_s: speed, heading, sigma: (variance.sqrt() / speed.max(1.0)).min(1.0) }
     }
 }
 
@@ -164,7 +176,7 @@ mod tests {
             let Known { x: [north, east, _], .. } = wind.known.unwrap();
             assert!((north - BLOWS_M_S[0]).hypot(east - BLOWS_M_S[1]) < 0.7, "{said:?}: {north}, {east}");
             for heading in [0.0, 1.0, 2.5, -2.0] {
-                let (found, sigma) = wind.heading(track(heading));
+                let ThroughAir { heading: found, sigma, .. } = wind.through_air(track(heading));
                 assert!((found - heading).abs() < 0.04 && sigma < 0.1, "{said:?} on {heading}: {found} +- {sigma}");
             }
         }
@@ -175,7 +187,7 @@ mod tests {
         for said in [Some(1.0), Some(0.93), None] {
             let (wind, now) = flown(120, |_| 1.0, said);
             let speed = wind.speed(said.map(|s| s * AIRSPEED_M_S), Some(20.0), now).unwrap();
-            let (heading, sigma) = wind.heading(track(1.0));
+            let ThroughAir { heading, sigma, .. } = wind.through_air(track(1.0));
             assert!((heading - 1.0).abs() < 2.0 * sigma && sigma > 0.1, "{said:?}: {heading} +- {sigma}");
             assert!((speed.m_s - AIRSPEED_M_S).abs() < 2.0 * speed.share * AIRSPEED_M_S, "{said:?}: {speed:?}");
         }
@@ -216,7 +228,7 @@ mod tests {
                 time_s += dt_s;
                 let now = Time::from_secs_f64(time_s);
                 wind.hear((ground, course), climb, airspeed, now);
-                let (heading, sigma) = wind.heading((ground, course));
+                let ThroughAir { heading, sigma, .. } = wind.through_air((ground, course));
                 prop_assert!(heading.is_finite() && (0.0..=1.0).contains(&sigma));
                 if let Some(Speed { m_s, share, .. }) = wind.speed(airspeed, Some(ground), now) {
                     prop_assert!((4.0..=300.0).contains(&m_s) && share > 0.0 && share.is_finite(), "{m_s} +- {share}");
