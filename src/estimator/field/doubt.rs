@@ -89,16 +89,6 @@ impl FieldEstimator {
         self.scene.surely_unlike() * t.unlike_lean_walk + t.new_lean.1 * new
     }
 
-    /// The walk of the logarithm of the sky's depth, for a second, while what is seen is unlike the sky that was known, but may be
-    /// another one alike all around: it is changing.
-    pub(super) fn depth_walk(&self) -> f64 {
-        // What one sensor does is no sky.
-        if self.witnesses.undecided() {
-            return 0.0;
-        }
-        self.scene.unlike() * (1.0 - self.scene.surely_unlike()) * self.tuning.unlike_depth_walk
-    }
-
     /// Where nothing tells of the attitude but the thermopiles it is they that are to be believed: a horizon that might
     /// lean anyhow would leave it to the gyro alone, which drifts.
     fn forget_lean(&mut self, dt_s: f64) {

@@ -271,7 +271,6 @@ impl FieldEstimator {
             scene_k2: self.scene.variance(),
             scene_change_k2_s: if self.gyro.in_use() { self.change.variance_s() } else { 0.0 },
             lean_walk: self.lean_walk(),
-            depth_walk: self.depth_walk(),
             long_unlike: self.scene.long_unlike(),
         }
     }
