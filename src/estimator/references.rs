@@ -54,8 +54,8 @@ pub struct Heard {
     pub climb: Option<Angle>,
     /// The course, rad; `None` while there is none.
     pub course: Option<f64>,
-    /// The heading that a new fix tells and how far it may be off (1σ), rad.
-    pub heading: Option<(f64, f64)>,
+    /// How it flies through the air by a new fix.
+    pub air: Option<ThroughAir>,
     /// The true airspeed of something that flies; `None` while nothing tells it.
     pub speed: Option<Speed>,
 }
@@ -109,10 +109,7 @@ impl References {
             bank: self.bank(ground_speed, course, roll, now),
             climb: self.climb(aiding.climb_m_s, speed, now),
             course: fresh(self.course, now),
-            heading: ground_speed.zip(course).map(|fix| {
-                let ThroughAir { heading, sigma, .. } = self.wind.through_air(fix);
-                (heading, sigma)
-            }),
+            air: ground_speed.zip(course).map(|fix| self.wind.through_air(fix)),
             speed,
         }
     }

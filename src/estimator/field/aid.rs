@@ -11,7 +11,7 @@ use super::tuning::Tuning;
 use crate::estimator::flying::{G_M_S2, wrapped};
 use crate::estimator::references::References;
 use crate::estimator::vector::{Vector, cross};
-use crate::estimator::wind::Speed;
+use crate::estimator::wind::{Speed, ThroughAir};
 use crate::frame::Aiding;
 use crate::time::Time;
 
@@ -56,8 +56,8 @@ impl Aid {
         let heard = self.references.hear(aiding, up[1].atan2(up[2]), now);
         let Some(Speed { m_s: speed, share, measured }) = heard.speed else { return };
         self.heard = Some(now);
-        if let Some(heading) = heard.heading {
-            self.heading(heading, state, now);
+        if let Some(air) = heard.air {
+            self.heading(air, state, now);
         }
         let up = state.vertical();
         if let Some(gyro) = gyro.filter(|_| measured) {
@@ -78,7 +78,7 @@ impl Aid {
         }
     }
 
-    fn heading(&mut self, (heading, sigma): (f64, f64), state: &mut State, now: Time) {
+    fn heading(&mut self, ThroughAir { heading, sigma, .. }: ThroughAir, state: &mut State, now: Time) {
         let [north, west, up] = state.axes;
         if up[0].abs() > 0.8 {
             return;

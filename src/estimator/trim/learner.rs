@@ -68,7 +68,7 @@ impl Learner {
         }
         let heard = self.references.hear(aiding, roll, now);
         // Without a course nothing is known to have been flown round.
-        let heading = heard.heading.map(|(heading, _)| heading).or(heard.course).unwrap_or(0.0);
+        let heading = heard.air.map(|air| air.heading).or(heard.course).unwrap_or(0.0);
         let (sin, cos) = heading.sin_cos();
         if let Some((bank, roll)) = heard.gentle_bank() {
             self.learn(0, roll - bank.angle, bank, [1.0, sin, -cos], 0.0);
