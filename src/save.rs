@@ -80,20 +80,27 @@ pub fn undo(disk: &mut dyn Disk, path: &Path) -> io::Result<Undone> {
 }
 
 /// Makes the folder of drop-ins that `path` lies in, `FILE.toml.d`, where there is none: to be read by everybody, whatever
-/// the mask of whoever makes it.
-pub fn make_drop_ins(path: &Path) -> io::Result<()> {
+/// the mask of whoever makes it. Whether there was none.
+pub fn make_drop_ins(path: &Path) -> io::Result<bool> {
     let folder = folder(path);
     if !folder.as_os_str().as_encoded_bytes().ends_with(b".toml.d") {
-        return Ok(());
+        return Ok(false);
     }
     match fs::create_dir(folder) {
-        Err(e) if e.kind() == ErrorKind::AlreadyExists => Ok(()),
-        made => made.and_then(|()| fs::set_permissions(folder, Permissions::from_mode(0o755))),
+        Err(e) if e.kind() == ErrorKind::AlreadyExists => Ok(false),
+        made => made.and_then(|()| fs::set_permissions(folder, Permissions::from_mode(0o755))).map(|()| true),
     }
 }
 
+/// Whether a drop-in can be saved as `path`, whose folder may be missing yet. Leaves no folder that was not there.
+pub fn drop_in_can_be_saved(disk: &mut dyn Disk, path: &Path) -> io::Result<()> {
+    let made = make_drop_ins(path)?;
+    let can = can_be_saved(disk, path);
+    if made { can.and(fs::remove_dir(folder(path))) } else { can }
+}
+
 /// Whether a file can be saved as `path`: its folder may be written.
-pub fn can_be_saved(disk: &mut dyn Disk, path: &Path) -> io::Result<()> {
+fn can_be_saved(disk: &mut dyn Disk, path: &Path) -> io::Result<()> {
     let new = beside(path, "new");
     disk.write(&new, b"")?;
     disk.remove(&new)

@@ -248,6 +248,7 @@ fn what_is_no_measure_is_not_saved() {
     }
     ANSWERS.set(vec![false]);
     assert_eq!(ctl(&format!("--bus fake:still calibrate --config {config}")).0, 1);
+    assert!(!folder.path("irhorizon.toml.d").exists(), "nothing is left");
     let (_, _, err) = ctl(&format!("--bus fake:still calibrate neutral --yes --config {config}"));
     assert!(err.contains("no ads1115"), "{err}");
     let later = folder.path("irhorizon.toml.d");

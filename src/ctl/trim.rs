@@ -31,7 +31,7 @@ pub fn command(args: &TrimArgs, trim: Trim, out: &mut dyn Write, err: &mut dyn W
         return Err(CtlError::Exists { path: path.clone() });
     }
     let failed = |source| CtlError::Write { path: path.clone(), rows: None, source };
-    make_drop_ins(path).and_then(|()| replace(&mut FileSystem, path, text.as_bytes())).map_err(failed)?;
+    make_drop_ins(path).and_then(|_| replace(&mut FileSystem, path, text.as_bytes())).map_err(failed)?;
     let _ = writeln!(
         err,
         "saved to {}; it holds after systemctl reload irhorizond, if that is a drop-in of its configuration and no MAVLink \

@@ -194,17 +194,19 @@ fn a_folder_of_drop_ins_is_for_everybody_to_read() {
     let mask = rustix::process::umask(rustix::fs::Mode::from_raw_mode(0o077));
     let made = make_drop_ins(&path);
     rustix::process::umask(mask);
-    made.unwrap();
+    assert!(made.unwrap());
     let mode = || fs::metadata(path.parent().unwrap()).unwrap().permissions().mode() & 0o777;
     assert_eq!(mode(), 0o755);
-    can_be_saved(&mut FileSystem, &path).unwrap();
+    drop_in_can_be_saved(&mut FileSystem, &path).unwrap();
     assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 0, "nothing is left");
     // One that is there is somebody's own, and no other is made.
     fs::set_permissions(path.parent().unwrap(), Permissions::from_mode(0o750)).unwrap();
-    make_drop_ins(&path).unwrap();
+    assert!(!make_drop_ins(&path).unwrap());
     assert_eq!(mode(), 0o750);
+    fs::remove_dir(path.parent().unwrap()).unwrap();
+    drop_in_can_be_saved(&mut FileSystem, &path).unwrap();
+    assert!(!path.parent().unwrap().exists(), "nothing is left");
     let other = folder.join("mistyped/50-trim.toml");
-    make_drop_ins(&other).unwrap();
-    assert!(can_be_saved(&mut FileSystem, &other).is_err());
+    assert!(drop_in_can_be_saved(&mut FileSystem, &other).is_err());
     fs::remove_dir_all(folder).unwrap();
 }

@@ -4,7 +4,7 @@ use super::error::CalibrateError;
 use crate::config::{self, Loaded};
 use crate::ctl::error::CtlError;
 use crate::ctl::setup_args::Quantity;
-use crate::save::{FileSystem, Undone, can_be_saved, make_drop_ins, replace_and_keep, undo};
+use crate::save::{FileSystem, Undone, drop_in_can_be_saved, make_drop_ins, replace_and_keep, undo};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -54,13 +54,15 @@ impl DropIn {
 
     /// Whether it can be saved.
     pub fn prepare(&self) -> Result<(), CtlError> {
-        make_drop_ins(&self.path).and_then(|()| can_be_saved(&mut FileSystem, &self.path)).map_err(|e| self.failed(e))
+        drop_in_can_be_saved(&mut FileSystem, &self.path).map_err(|e| self.failed(e))
     }
 
     /// Saves it.
     pub fn save(&self, lines: &str) -> Result<(), CtlError> {
         let text = format!("# Written by irhorizonctl calibrate; --undo brings back what was before.\n{lines}");
-        replace_and_keep(&mut FileSystem, &self.path, text.as_bytes()).map_err(|e| self.failed(e))
+        make_drop_ins(&self.path)
+            .and_then(|_| replace_and_keep(&mut FileSystem, &self.path, text.as_bytes()))
+            .map_err(|e| self.failed(e))
     }
 
     /// Brings back what was there before.
