@@ -4,7 +4,7 @@ use super::FieldEstimator;
 use super::directions::{Directions, Pattern, dot};
 use super::form::SHAPES;
 use super::predict::scene;
-use super::state::{DEPTH, LAG, LAGGED, MAX_SENSORS, RADIANCE, SEEN, VIEW};
+use super::state::{CONTRAST, DEPTH, LAG, LAGGED, MAX_SENSORS, RADIANCE, SEEN, VIEW};
 use crate::sky::family::{FORMS, LN_DEPTH};
 
 /// A reading farther from its prediction than this many standard deviations weighs less.
@@ -29,6 +29,9 @@ const WILDEST: f64 = 50.0;
 const APART_S: f64 = 0.7;
 /// An attitude farther from them is wrong: rad (8°), or K where the contrast is low.
 const APART: (f64, f64) = (0.14, 4.0);
+/// Sensors that show less of a turn, as a share of the contrast for each rad, do not tell it: one that looks level shows
+/// half of it, and what looks up or down next to nothing while level.
+const TELLING: f64 = 0.3;
 /// So many times as far where leans are left out: as much as they may hide.
 const WARM: f64 = 1.5;
 
@@ -149,9 +152,10 @@ impl FieldEstimator {
             *even += seen.as_ref().map_or(0.0, |s| s.by_lean.iter().zip(sky.lean).map(|(b, l)| b * l).sum::<f64>());
         }
         let share = -(-dt_s / APART_S).exp_m1();
+        let least = (TELLING * self.state.x[CONTRAST].abs()).max(1.0);
         let misfit = &mut self.misfit;
         for (apart, pattern) in [(&mut misfit.apart, &pattern), (&mut misfit.apart_from_even, &even)] {
-            for (apart, now) in apart.iter_mut().zip(directions.turned(pattern)) {
+            for (apart, now) in apart.iter_mut().zip(directions.turned(pattern, least)) {
                 *apart += share * (now - *apart);
             }
         }

@@ -68,9 +68,9 @@ impl Directions {
         Self { turn: [roll, pitch], slope, contrast, weather, ground, shape, gain, unsure, weatherless, count }
     }
 
-    /// The turn that a pattern looks like, rad; none where the sensors see no turn.
-    pub fn turned(&self, pattern: &Pattern) -> [f64; 2] {
-        std::array::from_fn(|k| if self.slope[k] > 1.0 { dot(pattern, &self.turn[k]) / self.slope[k] } else { 0.0 })
+    /// The turn that a pattern looks like, rad; none about an axis of which the sensors show less than `least`, K/rad.
+    pub fn turned(&self, pattern: &Pattern, least: f64) -> [f64; 2] {
+        std::array::from_fn(|k| if self.slope[k] > least { dot(pattern, &self.turn[k]) / self.slope[k] } else { 0.0 })
     }
 
     /// How much all sensors show of a turn about `axis` in its direction, K/rad.
@@ -179,6 +179,20 @@ mod tests {
         let share = dot(&turn, &contrast) / dot(&contrast, &contrast);
         let left: Pattern = std::array::from_fn(|i| turn[i] - share * contrast[i]);
         assert!(dot(&left, &directions.contrast).abs() > 1.0 && directions.weathered(&left).abs() < 1e-9);
+    }
+
+    /// Half a kelvin of what looks up and down was a bank of 15°, where nothing that looks level was heard.
+    #[test]
+    fn sensors_that_show_next_to_nothing_of_a_turn_do_not_tell_it() {
+        let turned = |by_turn: &[f64]| {
+            let seen = std::array::from_fn(|i| {
+                Some(Seen { by_turn: [*by_turn.get(i)?, 0.0, 0.0], by_ground: 1.0, ..Seen::default() })
+            });
+            Directions::new(&seen, Default::default()).turned(&[0.5, -0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 6.0)
+        };
+        assert_eq!(turned(&[1.4, -1.4]), [0.0; 2]);
+        let [roll, pitch] = turned(&[10.0, -10.0]);
+        assert!((roll - 0.05).abs() < 1e-9 && pitch == 0.0, "{roll}, {pitch}");
     }
 
     #[test]
