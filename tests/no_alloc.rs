@@ -299,7 +299,7 @@ fn an_update_of_any_method() {
             for i in 0..1500_u64 {
                 source.scan(Time::from_nanos(i * 20_000_000), &mut frame);
                 if rates {
-                    frame.aiding.gyro_deg_s = [Some(1.0), Some(-2.0), Some(3.0)];
+                    frame.aiding.gyro_deg_s = [Some(1.0 + (i % 2) as f64), Some(-2.0), Some(3.0)];
                 }
                 if i == 50 {
                     before = ALLOCATIONS.get();

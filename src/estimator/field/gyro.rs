@@ -16,6 +16,10 @@ const INTERVALS: f64 = 0.1;
 const FASTEST_DEG_S: f64 = 2000.0;
 /// A gyro that was wrong is believed again after this, s; twice as long each time.
 const DISTRUST_S: (f64, f64) = (20.0, 640.0);
+/// A gyro that flies is never still to the last digit: one that says the same for so long, s, and in so many samples, says
+/// nothing.
+const STUCK_S: f64 = 2.0;
+const STUCK: u32 = 8;
 /// How far rates bend between samples is averaged over so long, s.
 const BENT_S: f64 = 4.0;
 /// The variance of the mean rate between two samples, of the square by which a sample is off the line through the two
@@ -38,6 +42,8 @@ pub struct Gyro {
     last: Option<(Vector, Time)>,
     /// What it says now, believed or not.
     heard: Option<Vector>,
+    /// What it last said of the airframe, since when, and in how many samples.
+    same: Option<(Vector, Time, u32)>,
     rates: Option<Vector>,
     now: Time,
     /// How far samples are apart, on the average, s.
@@ -66,7 +72,7 @@ impl Gyro {
         if self.interval_s.is_some_and(|s| s > slow_s) {
             self.rates = None;
         }
-        if contradicted || self.is_distrusted() {
+        if contradicted || self.is_distrusted() || self.is_stuck() {
             self.rates = None;
         }
         before != self.rates.is_some()
@@ -79,6 +85,8 @@ impl Gyro {
         {
             // Front, right, down to nose, left, up.
             let rates = [p, -q, -r].map(f64::to_radians);
+            let (_, since, samples) = self.same.filter(|(said, ..)| *said == rates).unwrap_or((rates, now, 0));
+            self.same = Some((rates, since, samples.saturating_add(1)));
             let rates = self.to_head.map_or(rates, |m| product(&m, rates));
             let before = self.last.replace((rates, now));
             before.inspect(|(_, at)| self.pace(now.since(*at)));
@@ -150,12 +158,18 @@ impl Gyro {
     pub fn newest(&self) -> Option<Vector> {
         let slow = self.interval_s.is_some_and(|s| s > SLOW_S.1);
         let fresh = |at: Time| (0.0..AGE_S).contains(&self.now.since(at));
-        self.last.filter(|(_, at)| fresh(*at) && !slow && !self.is_distrusted()).map(|(rates, _)| rates)
+        self.last
+            .filter(|(_, at)| fresh(*at) && !slow && !self.is_distrusted() && !self.is_stuck())
+            .map(|(rates, _)| rates)
     }
 
     /// Whether there are rates.
     pub fn in_use(&self) -> bool {
         self.rates.is_some()
+    }
+
+    fn is_stuck(&self) -> bool {
+        self.same.is_some_and(|(_, since, samples)| samples > STUCK && self.now.since(since) > STUCK_S)
     }
 
     fn is_distrusted(&self) -> bool {
@@ -220,8 +234,19 @@ mod tests {
     #[test]
     fn rates_that_come_too_seldom_are_not_used() {
         for (every, used) in [(1, true), (5, true), (7, true), (10, false), (12, false), (25, false)] {
-            assert_eq!(heard(every, |_| 3.0).in_use(), used, "every {every}. frame");
+            assert_eq!(heard(every, |i| 3.0 + 0.01 * (i % 2) as f64).in_use(), used, "every {every}. frame");
         }
+    }
+
+    #[test]
+    fn one_that_says_the_same_for_long_is_not_used_until_it_says_something_else() {
+        for every in [1, 5] {
+            let stuck_from = |i: usize| heard(every, move |n| (n * every).min(i) as f64).in_use();
+            assert!(!stuck_from(0) && !stuck_from(390) && stuck_from(410) && stuck_from(500), "every {every}. frame");
+        }
+        let again = |i: usize| if i < 499 { 3.0 } else { 3.01 };
+        assert!(heard(1, again).in_use() && heard(1, again).newest().is_some());
+        assert!(heard(1, |_| 3.0).newest().is_none());
     }
 
     #[test]

@@ -111,7 +111,8 @@ fn what_nothing_can_show_is_in_the_standard_deviation_until_something_tells() {
 fn a_gyro_that_stands_still_is_found_out() {
     let off = worst("clear-dry", 60.0, |f, _| {
         f.aiding = Default::default();
-        f.aiding.gyro_deg_s = [Some(0.0); 3];
+        // But for its noise.
+        f.aiding.gyro_deg_s = [Some(0.01 * (30.0 * f.time.as_secs_f64()).sin()); 3];
     });
     // Believed again now and then, and found out again.
     assert!(off < 12.0, "{off}");
