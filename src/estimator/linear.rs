@@ -31,8 +31,8 @@ pub fn gain<const M: usize>(x: &mut [f64; M], p: &mut [[f64; M]; M], n: usize, p
     consider(x, p, n, (ph, ph), s, innovation);
 }
 
-/// The same by a Schmidt–Kalman filter: some states are considered, but nothing is learnt of them. `ph` comes as it is, and
-/// with zeros for these.
+/// The same by a Schmidt–Kalman filter: some states are considered, but nothing, or not all, is learnt of them. `ph` comes as
+/// it is, and as far as it is learnt.
 pub fn consider<const M: usize>(
     x: &mut [f64; M],
     p: &mut [[f64; M]; M],
@@ -43,14 +43,13 @@ pub fn consider<const M: usize>(
 ) {
     let inverse = 1.0 / s;
     for i in 0..n {
-        x[i] += learnt[i] * inverse * innovation;
-        let k = ph[i] * inverse;
-        if k != 0.0 {
-            // Two that are only considered go together as before.
-            let with = if learnt[i] == 0.0 { learnt } else { ph };
-            for (p, h) in p[i][..n].iter_mut().zip(&with[..n]) {
-                *p -= k * h;
-            }
+        let k = learnt[i] * inverse;
+        x[i] += k * innovation;
+        p[i][..n].iter_mut().zip(&ph[..n]).for_each(|(p, h)| *p -= k * h);
+        // What is not learnt goes with what is, and among itself as before.
+        let only_considered = ph[i] * inverse - k;
+        if only_considered != 0.0 {
+            p[i][..n].iter_mut().zip(&learnt[..n]).for_each(|(p, l)| *p -= only_considered * l);
         }
     }
 }
@@ -86,6 +85,25 @@ mod tests {
         assert_eq!(x, [2.0, 2.0]);
         let expected = [[first, both], [both, 2.0]];
         assert!(p.iter().flatten().zip(expected.iter().flatten()).all(|(p, e)| (p - e).abs() < 1e-12), "{p:?}");
+    }
+
+    /// Of a state that is learnt by half its gain, likewise.
+    #[test]
+    fn half_of_it_may_be_learnt() {
+        let (mut x, mut p) = ([1.0, 2.0], [[4.0, 1.0], [1.0, 2.0]]);
+        consider(&mut x, &mut p, 2, (&[5.0, 3.0], &[5.0, 1.5]), 9.0, 1.8);
+        assert_eq!(x, [2.0, 2.3]);
+        let (a, b) = (5.0 / 9.0, 1.5 / 9.0);
+        // Joseph's formula: (1 - KH) P (1 - KH)' + K R K'.
+        let left = [[1.0 - a, -a], [-b, 1.0 - b]];
+        let before = [[4.0, 1.0], [1.0, 2.0]];
+        let k = [a, b];
+        for i in 0..2 {
+            for j in 0..2 {
+                let kept: f64 = (0..4).map(|m| left[i][m / 2] * before[m / 2][m % 2] * left[j][m % 2]).sum();
+                assert!((p[i][j] - (kept + k[i] * k[j])).abs() < 1e-12, "{p:?}");
+            }
+        }
     }
 
     #[test]

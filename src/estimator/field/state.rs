@@ -171,7 +171,7 @@ impl State {
     /// Takes in a reading of state `i`. Nothing is learnt from it of what readings do not tell: that is considered.
     pub fn read(&mut self, i: usize, innovation: f64, variance: f64) {
         let (ph, n) = (self.p[i], self.size());
-        let learnt = std::array::from_fn(|k| if self.told[k] { ph[k] } else { 0.0 });
+        let learnt = self.learnt(&ph);
         consider(&mut self.x, &mut self.p, n, (&ph, &learnt), ph[i] + variance, innovation);
     }
 
@@ -181,10 +181,21 @@ impl State {
         if beyond != 0.0 {
             let (n, column) = (self.size(), self.p[i]);
             let share = beyond / column[i].max(f64::MIN_POSITIVE);
-            for k in (0..n).filter(|k| self.told[*k]) {
-                self.x[k] -= share * column[k];
-            }
+            let learnt = self.learnt(&column);
+            self.x[..n].iter_mut().zip(&learnt).for_each(|(x, l)| *x -= share * l);
         }
+    }
+
+    /// What of `column` of the covariance readings tell. Where a warm side is expected it is nothing of a turn about the vertical:
+    /// it would be told by that side, which is known no better, and a small error of either would make the other grow.
+    fn learnt(&self, column: &[f64; MAX]) -> [f64; MAX] {
+        let mut learnt = std::array::from_fn(|k| if self.told[k] { column[k] } else { 0.0 });
+        if self.p[LEAN][LEAN] > 0.0 {
+            let up = self.vertical();
+            let about_it = dot([learnt[TURN], learnt[TURN + 1], learnt[TURN + 2]], up);
+            (0..3).for_each(|k| learnt[TURN + k] -= about_it * up[k]);
+        }
+        learnt
     }
 
     /// Turns the body by `turn`, rad: the axes go the other way.
