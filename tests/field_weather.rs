@@ -3,10 +3,10 @@
 use irhorizon::attitude::{Attitude, Estimate, Mode};
 use irhorizon::config::Settings;
 use irhorizon::config::settings::SimulationSettings;
-use irhorizon::frame::{Frame, Sample, Value};
+use irhorizon::frame::{Aiding, Frame, Sample, Value};
 use irhorizon::head::Head;
 use irhorizon::horizon::Horizon;
-use irhorizon::simulation::{Flight, SimulatedSource, Weather};
+use irhorizon::simulation::{Flight, Scenario, SimulatedSource, Weather};
 use irhorizon::sky::{Averaging, FieldOfView, Response, Shape};
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
@@ -110,4 +110,61 @@ fn fog_that_is_there_at_once_is_fog() {
         }
     }
     assert!(unlike.is_empty(), "{unlike:?}");
+}
+
+/// How `field` fares in three minutes after the sky above has become another within half a minute: the share of time in which it
+/// gives no attitude, its rms error, °, and whether it says that something stands in the way; without instruments, with a gyro.
+fn under_another_sky(from: &str, to: &str) -> [(f64, f64, f64); 2] {
+    const BEGINS_S: f64 = 60.0;
+    const LASTS_S: f64 = 30.0;
+    let flights = [from, to].map(|sky| Scenario::named(sky).unwrap().lasting(BEGINS_S + LASTS_S + 180.0));
+    let head = flights[0].head();
+    [false, true].map(|gyro| {
+        let mut sources = [flights[0].source(7), flights[1].source(7)];
+        let mut horizon = Horizon::new(&Settings::default(), head.clone());
+        let (mut frame, mut other, mut estimate) = (Frame::new(6), Frame::new(6), Estimate::default());
+        let (mut frames, mut withheld, mut squared, mut said) = (0.0, 0.0, 0.0, 0.0);
+        for i in 0..(50.0 * flights[0].seconds()) as u32 {
+            let time_s = f64::from(i) * 0.02;
+            let now = Time::from_secs_f64(100.0 + time_s);
+            sources[0].scan(now, &mut frame);
+            sources[1].scan(now, &mut other);
+            let share = ((time_s - BEGINS_S) / LASTS_S).clamp(0.0, 1.0);
+            for (reading, other) in frame.readings.iter_mut().zip(&other.readings) {
+                let (Ok(Sample { value: Value::Absolute { object_c, .. }, .. }), Ok(other)) = (reading, other) else {
+                    continue;
+                };
+                let Value::Absolute { object_c: becomes, .. } = other.value else { continue };
+                *object_c += share * (becomes - *object_c);
+            }
+            frame.aiding =
+                Aiding { gyro_deg_s: frame.aiding.gyro_deg_s.map(|r| r.filter(|_| gyro)), ..Aiding::default() };
+            horizon.update(&frame, &[], &mut estimate);
+            if share < 1.0 {
+                continue;
+            }
+            frames += 1.0;
+            said += f64::from(u8::from(names(&estimate).contains(&"obstructed".to_owned())));
+            let Some(Attitude { roll, pitch }) = estimate.attitude else {
+                withheld += 1.0;
+                continue;
+            };
+            let truth = sources[0].truth_at(estimate.valid_at);
+            squared += (roll - truth.roll).powi(2) + (pitch - truth.pitch).powi(2);
+        }
+        let rms_deg = (squared / (2.0 * (frames - withheld))).sqrt().to_degrees();
+        println!("{from} to {to}, gyro {gyro}: {withheld} of {frames} withheld, {rms_deg:.2}°, obstructed {said}");
+        (withheld / frames, rms_deg, said / frames)
+    })
+}
+
+/// What is learnt of a sky's depth in a minute is soon sure, and a sky that changed was taken for walls all around: withheld for
+/// minutes, or with a sigma of 15° and banks shown larger for it.
+#[test]
+fn a_sky_that_changes_is_followed() {
+    for (from, to) in [("clear-dry", "clear-humid"), ("clear-humid", "clear-dry"), ("clear-dry", "overcast")] {
+        let [alone, gyro] = under_another_sky(from, to);
+        assert!(gyro.0 == 0.0 && gyro.1 < 1.5, "{from} to {to}, with a gyro");
+        assert!(alone.0 < 0.6 && alone.1 < 3.0, "{from} to {to}, without");
+    }
 }

@@ -51,7 +51,8 @@ impl FieldEstimator {
         self.misfit = Misfit::default();
         self.averaging = None;
         self.moved = Moved::default();
-        (self.unlike, self.tilted, self.found_s, self.off_s, self.askew_s) = (false, false, 0.0, 0.0, 0.0);
+        (self.unlike, self.tilted) = (false, false);
+        (self.unlike_s, self.found_s, self.off_s, self.askew_s) = (0.0, 0.0, 0.0, 0.0);
         let lately = self.scene.lately_unlike();
         (self.rates, self.gyro_errors, self.contrast, self.scene) = paces(&t);
         self.scene.begin(t.scene.0 * (start.scene.contrast_k.abs() / 35.0).min(1.0), lately);

@@ -22,6 +22,8 @@ const USUAL_OFFSET: f64 = 3_f64.to_radians();
 /// What is found after these must last so long, s: it is new, and may be what one sensor does, or a wall, until the
 /// witnesses know. What is found before was there.
 const LASTS_S: f64 = 3.0;
+/// Of a scene that has been unlike for long, so much is remembered, s.
+const LONG_S: f64 = 30.0;
 /// What has been told of the lean holds while it is known so well, rad (2.2°: less than what is not told of at all).
 const KNOWN: f64 = 0.038;
 /// How long it is remembered afterwards, s.
@@ -42,6 +44,8 @@ impl FieldEstimator {
             return;
         }
         let unlike = self.scene.unlike();
+        let more_s = if unlike > UNLIKE.0 { dt_s } else { -dt_s };
+        self.unlike_s = (self.unlike_s + more_s).clamp(0.0, LONG_S);
         if unlike < UNLIKE.0 {
             (self.unlike, self.tilted) = (false, false);
         }
@@ -87,6 +91,17 @@ impl FieldEstimator {
         let t = &self.tuning;
         let new = (self.hidden(self.scene.new_k()) - t.new_lean.0).max(0.0);
         self.scene.surely_unlike() * t.unlike_lean_walk + t.new_lean.1 * new
+    }
+
+    /// The walk of the logarithm of the sky's depth, for a second, while what is seen has become unlike the sky that was known,
+    /// but may be another one alike all around: it is changing.
+    pub(super) fn depth_walk(&self) -> f64 {
+        // What one sensor does is no sky.
+        if self.witnesses.undecided() || self.unlike_s < LASTS_S {
+            return 0.0;
+        }
+        let new = self.scene.new_k() / self.scene.seen_k().max(f64::MIN_POSITIVE);
+        new * self.scene.unlike() * (1.0 - self.scene.surely_unlike()) * self.tuning.unlike_depth_walk
     }
 
     /// Where nothing tells of the attitude but the thermopiles it is they that are to be believed: a horizon that might

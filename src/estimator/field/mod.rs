@@ -167,6 +167,8 @@ pub struct FieldEstimator {
     form: Form,
     /// For how long what is seen has been against all that is known, s.
     lost_s: f64,
+    /// For how long the scene has been unlike, less for how long it has not been since, s.
+    unlike_s: f64,
     /// The variance of how much is averaged in radiance, while that cannot be told.
     averaging: Option<f64>,
     /// For how long, with a sensor left out, the others have told of what is no sky, s.
@@ -236,6 +238,7 @@ impl FieldEstimator {
             askew_s: 0.0,
             form: Form::default(),
             lost_s: 0.0,
+            unlike_s: 0.0,
             averaging: None,
             astray_s: 0.0,
             alone: Alone::default(),
@@ -271,6 +274,7 @@ impl FieldEstimator {
             scene_k2: self.scene.variance(),
             scene_change_k2_s: if self.gyro.in_use() { self.change.variance_s() } else { 0.0 },
             lean_walk: self.lean_walk(),
+            depth_walk: self.depth_walk(),
             long_unlike: self.scene.long_unlike(),
         }
     }

@@ -26,6 +26,8 @@ pub struct Pace {
     pub scene_change_k2_s: f64,
     /// What the horizon's lean walks more than usual, rad for a second.
     pub lean_walk: f64,
+    /// What the logarithm of the sky's depth walks more than usual, for a second.
+    pub depth_walk: f64,
     /// How surely the scene has not been alike all around for long, 0..1.
     pub long_unlike: f64,
 }
@@ -41,6 +43,7 @@ impl Pace {
         scene_k2: 0.01,
         scene_change_k2_s: 0.0,
         lean_walk: 0.0,
+        depth_walk: 0.0,
         long_unlike: 0.0,
     };
 }
@@ -133,7 +136,7 @@ fn add_noise(
     add(GROUND, (pace.contrast.max(1.0) * t.ground_walk).powi(2) * dt_s);
     let contrast = pace.contrast * t.contrast.0 * state.x[CONTRAST].abs().max(1.0);
     add(CONTRAST, contrast * contrast * dt_s);
-    add(DEPTH, t.depth.2.powi(2) * dt_s);
+    add(DEPTH, (t.depth.2.powi(2) + pace.depth_walk.powi(2)) * dt_s);
     for i in 0..2 {
         add(OFFSET + i, t.offset.1.powi(2) * dt_s);
     }

@@ -33,6 +33,8 @@ pub struct Tuning {
     /// The logarithm of the sky's optical depth, as [`Family`](crate::sky::family::Family) counts it: mean, standard
     /// deviation, walk.
     pub depth: (f64, f64, f64),
+    /// Its walk while another sky would explain what is seen.
+    pub unlike_depth_walk: f64,
     /// How much of what they see the sensors average in radiance, the rest in temperature: mean, standard deviation.
     pub radiance: (f64, f64),
     /// How much wider the sensors see than they are said to, as [`Family`](crate::sky::family::Family) counts it: standard
@@ -98,6 +100,7 @@ impl Default for Tuning {
             ground_walk: 0.1,
             contrast: (0.02, 5.0),
             depth: (-1.2, 0.8, 0.005),
+            unlike_depth_walk: 0.05,
             radiance: (0.3, 0.5),
             spread: 0.4,
             form: 0.7,
