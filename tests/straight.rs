@@ -18,10 +18,10 @@ const WAYS: [Way; 3] =
     [|_| Aiding::default(), |all| Aiding { gyro_deg_s: all.gyro_deg_s, ..Aiding::default() }, |all| all];
 const SECONDS: f64 = 300.0;
 
-/// A lesser bank is none, rad.
+/// A bank that is off the usual one by less is that, rad.
 const STRAIGHT: f64 = 0.2;
 
-/// What became of it from the twentieth second on, where it went straight on.
+/// What became of it from the twentieth second on, where it went straight on, or with the same bank.
 #[derive(Clone, Copy, Debug, Default)]
 struct Flown {
     count: f64,
@@ -52,15 +52,15 @@ fn source(scene: &str, turns_s: f64, seed: u64) -> SimulatedSource {
 
 /// Four flights together.
 fn flown(scene: &str, turns_s: f64) -> [Flown; 3] {
-    measured(&format!("{scene}, {turns_s} s of turns"), |seed| source(scene, turns_s, seed))
+    measured(&format!("{scene}, {turns_s} s of turns"), 0.0, |seed| source(scene, turns_s, seed))
 }
 
-/// Four flights of `source` together.
-fn measured(what: &str, source: impl Fn(u64) -> SimulatedSource) -> [Flown; 3] {
+/// Four flights of `source` together, while banked by `bank_deg`.
+fn measured(what: &str, bank_deg: f64, source: impl Fn(u64) -> SimulatedSource) -> [Flown; 3] {
     let mut all = [Flown::default(); 3];
     for seed in 31..35 {
         fly(source(seed), (SECONDS, 50.0), WAYS, |way, now| {
-            let straight = now.time_s > 20.0 && now.truth.roll.abs() < STRAIGHT;
+            let straight = now.time_s > 20.0 && (now.truth.roll - bank_deg.to_radians()).abs() < STRAIGHT;
             let Some((said, truth)) = now.given.filter(|_| straight) else { return };
             let flown = &mut all[way];
             flown.blamed |= now.names().any(|name| name.contains("sensor"));
@@ -115,18 +115,31 @@ const OFF_K: [[f64; 6]; 4] = [
     [0.05, 0.3, 0.05, 0.0, 0.05, 0.0],
 ];
 
+/// Four calm flights with these, with this bank all along.
+fn off(what: &str, bank_deg: f64) -> [Flown; 3] {
+    measured(what, bank_deg, |seed| {
+        let off_k = OFF_K[seed as usize % 4].iter().zip(["nose", "tail", "left", "right", "up", "down"]);
+        let faults = off_k.map(|(k, who)| format!("wrong={k}:{who}@0..").parse().unwrap());
+        let calm = Style::Scripted(Flight::steady(bank_deg, 2.0));
+        let trajectory = Trajectory::fly(&Aircraft::default(), &calm, SECONDS + 1.0, seed);
+        source("clear-dry", 0.0, seed).with_trajectory(trajectory).with_faults(faults.collect())
+    })
+}
+
 /// It looks like a scene that is always on the same side. The heading was learnt by that, and walked off by 80°; with it went
 /// what a horizon may lean by, and up to 9° of bank that nobody flew: all instruments together were worse than none.
 #[test]
 fn sensors_that_are_off_make_of_no_heading_a_bank() {
-    let [alone, _, all] = measured("sensors that are off", |seed| {
-        let off_k = OFF_K[seed as usize % 4].iter().zip(["nose", "tail", "left", "right", "up", "down"]);
-        let faults = off_k.map(|(k, who)| format!("wrong={k}:{who}@0..").parse().unwrap());
-        let calm = Style::Scripted(Flight::steady(0.0, 2.0));
-        let trajectory = Trajectory::fly(&Aircraft::default(), &calm, SECONDS + 1.0, seed);
-        source("clear-dry", 0.0, seed).with_trajectory(trajectory).with_faults(faults.collect())
-    });
+    let [alone, _, all] = off("sensors that are off", 0.0);
     assert!(all.rms_deg() < 1.6 && all.covered > 0.95 * all.count, "{all:?}, without {alone:?}");
+}
+
+/// A circle shows all sides, but not what its one bank would be without these.
+#[test]
+fn a_circle_with_one_bank_shows_no_sensors_that_are_off() {
+    for flown in off("circling, sensors that are off", 30.0) {
+        assert!(flown.covered > 0.95 * flown.count, "{flown:?}");
+    }
 }
 
 /// At rest any lag explains the noise, and a long one is smoothest: after minutes it was taken for seven times as long, and the

@@ -1,7 +1,8 @@
 //! How far around the aircraft looks.
 //!
 //! In straight flight a warm side of the sky is always on the same side, and looks like an attitude, or like sensors that are
-//! off. Nothing that lasts as long tells them apart until the aircraft turns.
+//! off. Nothing that lasts as long tells them apart until the aircraft turns. In a circle with one bank sensors that are off
+//! still look like a bank.
 
 /// So many headings are kept, one every so often, s: a minute in all.
 const KEPT: usize = 12;
@@ -17,11 +18,15 @@ pub struct Around {
     next: usize,
     known: bool,
     ever: f64,
+    /// The least and the most sine of a bank.
+    banks: Option<(f64, f64)>,
 }
 
 impl Around {
-    /// It turns about the vertical by `turn`, rad, in `dt_s`.
-    pub fn update(&mut self, turn: f64, dt_s: f64) {
+    /// It turns about the vertical by `turn`, rad, in `dt_s`, with this sine of its bank.
+    pub fn update(&mut self, turn: f64, bank: f64, dt_s: f64) {
+        let (least, most) = self.banks.unwrap_or((bank, bank));
+        self.banks = Some((least.min(bank), most.max(bank)));
         self.turn = turn;
         self.heading += turn;
         self.since_s += dt_s;
@@ -54,6 +59,11 @@ impl Around {
     pub fn ever(&self) -> f64 {
         self.ever
     }
+
+    /// How far apart the sines of its banks have been.
+    pub fn banks(&self) -> f64 {
+        self.banks.map_or(0.0, |(least, most)| most - least)
+    }
 }
 
 #[cfg(test)]
@@ -63,8 +73,8 @@ mod tests {
     /// A minute's turn and a half, then straight on with a wobble, rad and s.
     fn flown(straight_s: f64) -> Around {
         let mut around = Around::default();
-        (0..600).for_each(|_| around.update(-3.0 * std::f64::consts::PI / 600.0, 0.1));
-        (0..(10.0 * straight_s) as u32).for_each(|i| around.update(0.05 * f64::from(i).cos(), 0.1));
+        (0..600).for_each(|_| around.update(-3.0 * std::f64::consts::PI / 600.0, 0.5, 0.1));
+        (0..(10.0 * straight_s) as u32).for_each(|i| around.update(0.05 * f64::from(i).cos(), 0.0, 0.1));
         around
     }
 
@@ -74,5 +84,6 @@ mod tests {
         let later = flown(65.0);
         assert!(later.lately() < 0.2 && later.ever() > 8.5 && later.is_known(), "{later:?}");
         assert_eq!(Around::default().lately(), 0.0);
+        assert_eq!([flown(0.0).banks(), later.banks(), Around::default().banks()], [0.0, 0.5, 0.0]);
     }
 }

@@ -13,6 +13,8 @@ const UNLIKE: (f64, f64) = (0.1, 0.5);
 const UNEXPECTED: f64 = 3.0;
 /// Turns by so much, rad, show all sides.
 const LOOKED_AROUND: f64 = 3.5;
+/// Banks whose sines are so far apart (15°) show sensors that are off.
+const BANKED: f64 = 0.26;
 /// Straight on, so many times the lean of a horizon that leans is expected: twice that holds nineteen flights in twenty where
 /// one in five has one (of 0.2, a quarter is beyond 1.15).
 const HELD: f64 = 1.15 / 2.0;
@@ -123,8 +125,8 @@ impl FieldEstimator {
             return unseen_lean(up);
         }
         let t = &self.tuning;
-        let straight = 1.0 - (self.around.ever() / LOOKED_AROUND).min(1.0);
-        // Straight on, turns and climb tell of a lean no more than readings do.
+        let straight = 1.0 - (self.around.ever() / LOOKED_AROUND).min(self.around.banks() / BANKED).min(1.0);
+        // Straight on, turns and climb tell of a lean no more than readings do; nor, with one bank, of sensors that are off.
         let unseen = straight * t.unlike_lean * if self.leant { 1.0 } else { HELD };
         let [roll, pitch] = [0, 1].map(|i| {
             let offset = if self.told { (self.state.x[OFFSET + i].abs() - USUAL_OFFSET).max(0.0) } else { 0.0 };

@@ -284,7 +284,7 @@ impl FieldEstimator {
         let pace = self.pace();
         predict(&mut self.state, &self.model, &self.tuning, dt_s, self.gyro.rates(), &pace);
         self.turned += dt_s * self.gyro.rates().map_or(0.0, |r| dot(r, self.state.vertical()).abs());
-        self.around.update(dt_s * self.heading_rate(), dt_s);
+        self.around.update(dt_s * self.heading_rate(), self.state.vertical()[1], dt_s);
         self.tell_lag(dt_s);
         self.consult(readings, &pace, (now, dt_s));
         self.leave_out(readings, dt_s);
