@@ -80,7 +80,7 @@ pub fn undo(disk: &mut dyn Disk, path: &Path) -> io::Result<Undone> {
 }
 
 /// Makes the folder of drop-ins that `path` lies in, `FILE.toml.d`, where there is none: to be read by everybody, whatever
-/// the mask of whoever makes it. Whether there was none.
+/// the mask of whoever makes it. Tells whether there was none.
 pub fn make_drop_ins(path: &Path) -> io::Result<bool> {
     let folder = folder(path);
     if !folder.as_os_str().as_encoded_bytes().ends_with(b".toml.d") {
@@ -96,7 +96,8 @@ pub fn make_drop_ins(path: &Path) -> io::Result<bool> {
 pub fn drop_in_can_be_saved(disk: &mut dyn Disk, path: &Path) -> io::Result<()> {
     let made = make_drop_ins(path)?;
     let can = can_be_saved(disk, path);
-    if made { can.and(fs::remove_dir(folder(path))) } else { can }
+    let gone = if made { fs::remove_dir(folder(path)) } else { Ok(()) };
+    can.and(gone)
 }
 
 /// Whether a file can be saved as `path`: its folder may be written.

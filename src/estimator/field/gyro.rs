@@ -72,7 +72,7 @@ impl Gyro {
         if self.interval_s.is_some_and(|s| s > slow_s) {
             self.rates = None;
         }
-        if contradicted || self.is_distrusted() || self.is_stuck() {
+        if contradicted || self.is_doubted() {
             self.rates = None;
         }
         before != self.rates.is_some()
@@ -158,14 +158,16 @@ impl Gyro {
     pub fn newest(&self) -> Option<Vector> {
         let slow = self.interval_s.is_some_and(|s| s > SLOW_S.1);
         let fresh = |at: Time| (0.0..AGE_S).contains(&self.now.since(at));
-        self.last
-            .filter(|(_, at)| fresh(*at) && !slow && !self.is_distrusted() && !self.is_stuck())
-            .map(|(rates, _)| rates)
+        self.last.filter(|(_, at)| fresh(*at) && !slow && !self.is_doubted()).map(|(rates, _)| rates)
     }
 
     /// Whether there are rates.
     pub fn in_use(&self) -> bool {
         self.rates.is_some()
+    }
+
+    fn is_doubted(&self) -> bool {
+        self.is_distrusted() || self.is_stuck()
     }
 
     fn is_stuck(&self) -> bool {
