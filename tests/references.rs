@@ -3,13 +3,19 @@
 
 mod field;
 mod flights;
+#[path = "events/heard.rs"]
+mod heard;
 
 use field::field;
 use flights::{Flown, hear, said, score};
+use heard::{Way, fly};
 use irhorizon::frame::{Aiding, Frame};
 use irhorizon::simulation::Scenario;
 use irhorizon::simulation::aircraft::Aircraft;
+use irhorizon::simulation::flight::{Flight, Waypoint};
 use irhorizon::simulation::instruments::Fitted;
+use irhorizon::simulation::manoeuvre::Style;
+use irhorizon::simulation::trajectory::Trajectory;
 
 const FLIGHTS: u64 = 8;
 
@@ -158,5 +164,49 @@ fn an_airspeed_that_is_off_is_set_right() {
         let covered = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap());
         println!("airspeed {what}: {roll:.2} / {pitch:.2}; 2 sigma {covered:.1?} %");
         assert!(roll.max(pitch) <= 1.0 && covered.iter().all(|c| *c > 92.0), "{what}: {score:?}");
+    }
+}
+
+/// A glider's instruments without airspeed: it rises by 3.5 m/s where it circles and sinks in between.
+fn in_lift(all: Aiding) -> Aiding {
+    let circles = all.gyro_deg_s[2].is_some_and(|yaw| yaw.abs() > 10.0);
+    let climb_m_s = all.climb_m_s.map(|climb| climb + if circles { 3.5 } else { -0.7 });
+    Aiding { climb_m_s, airspeed_m_s: None, ..all }
+}
+
+/// A glider at 12 m/s climbs by 16° with its nose a little down. That was taken for a pitch that is wrong for the whole climb, and
+/// with a gyro for a horizon that leans: up to 6° of roll and pitch that nobody flew, and on all the way home.
+#[test]
+fn a_thermal_is_no_pitch() {
+    let at = |time_s, roll_deg| Waypoint { time_s, roll_deg, pitch_deg: -1.0 };
+    let circles = |from_s, bank_deg| {
+        [(0.0, 0.0), (3.0, bank_deg), (87.0, bank_deg), (90.0, 0.0)].map(|(s, roll_deg)| at(from_s + s, roll_deg))
+    };
+    let waypoints: Vec<_> = [(60.0, 30.0), (200.0, -30.0)].into_iter().flat_map(|(s, bank)| circles(s, bank)).collect();
+    let (airspeed_m_s, seconds) = (12.0, 400.0);
+    let glider = Aircraft { airspeed_m_s, wind_m_s: [5.0, 0.0], updraught_m_s: 0.8, ..Aircraft::default() };
+    let ways: [Way; 2] = [|all| Aiding { gyro_deg_s: [None; 3], ..in_lift(all) }, in_lift];
+    // The squares of the errors, °², their number and how many are within two standard deviations.
+    let mut flown = [(0.0, 0.0, 0.0); 2];
+    for seed in 0..6 {
+        let style = Style::Scripted(Flight::scripted(waypoints.clone()).with_turbulence(3.0, 2.0, seed));
+        let trajectory = Trajectory::fly(&glider, &style, seconds + 1.0, seed);
+        let source = Scenario::named("clear-dry").unwrap().lasting(1.0).source(seed).with_trajectory(trajectory);
+        fly(source, (seconds, 50.0), ways, |way, now| {
+            assert_eq!(now.names().next(), None, "flight {seed}, way {way}, {} s: {:?}", now.time_s, now.truth);
+            let Some((said, truth)) = now.given.filter(|_| now.time_s > 20.0) else { return };
+            let sigma = now.estimate.sigma;
+            for (error, sigma) in [(said.roll - truth.roll, sigma.roll), (said.pitch - truth.pitch, sigma.pitch)] {
+                let (squares, count, covered) = &mut flown[way];
+                *squares += error.to_degrees().powi(2);
+                *count += 1.0;
+                *covered += f64::from(u8::from(error.abs() < 2.0 * sigma));
+            }
+        });
+    }
+    for (what, most_deg, (squares, count, covered)) in [("GPS", 0.5, flown[0]), ("GPS and a gyro", 0.3, flown[1])] {
+        let (rms_deg, percent) = (f64::sqrt(squares / count), 100.0 * covered / count);
+        println!("in lift, {what}: {rms_deg:.2}°, 2 sigma {percent:.1} %");
+        assert!(rms_deg < most_deg && percent > 92.0, "{what}: {rms_deg}°, {percent} %");
     }
 }

@@ -24,8 +24,13 @@ const BANK_SHARE: f64 = 0.2;
 const ATTACK_SIGMA: f64 = 2_f64.to_radians();
 const UPDRAUGHT_M_S: f64 = 1.0;
 
-/// A reference's error lasts so long, s: within it, more of them say no more.
+/// The share of a climb that may be the air's own rising: a glider circles in it for minutes.
+pub const AIR_SHARE: f64 = 0.5;
+
+/// A reference's error lasts so long, s: within it, more of them say no more. One that stays for so long as what is flown
+/// stays the same lasts longer.
 pub const CORRELATION_S: f64 = 2.0;
+const STAYS_S: f64 = 20.0;
 
 /// An angle that a reference gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,14 +39,21 @@ pub struct Angle {
     pub angle: f64,
     /// How far it may be off by itself (1σ), rad.
     pub sigma: f64,
+    /// How far beside that for as long as the same is flown, rad.
+    pub stays: f64,
     /// The time for which it stands, s.
     pub span_s: f64,
 }
 
 impl Angle {
-    /// What it weighs beside others, 1/rad².
+    /// What it weighs beside others that are flown otherwise, 1/rad².
     pub fn weight(&self) -> f64 {
         self.span_s / (CORRELATION_S * self.sigma.powi(2))
+    }
+
+    /// How far it would be off (1σ, rad) were all of its error another one after `lasts_s`, to say as little.
+    pub fn sigma_by(&self, lasts_s: f64) -> f64 {
+        self.sigma.hypot(self.stays * (STAYS_S / lasts_s).sqrt())
     }
 }
 
@@ -121,7 +133,7 @@ impl References {
         let usable = climb.abs() <= 0.5 * speed && span_s > 0.0 && span_s <= LONGEST_S;
         let angle = (climb / speed).asin();
         let sigma = ATTACK_SIGMA.hypot(UPDRAUGHT_M_S / speed).hypot(share * angle);
-        usable.then_some(Angle { angle, sigma, span_s })
+        usable.then_some(Angle { angle, sigma, stays: AIR_SHARE * angle.abs(), span_s })
     }
 
     /// What turns through the air is banked: over ground, against the wind, a turn looks tighter than it is and slower.
@@ -152,7 +164,7 @@ impl References {
         let turned = 0.5 * (from.m_s + to.m_s) * wrapped(to.heading - from.heading);
         let bank = (turned / span_s / G_M_S2).atan();
         let share = BANK_SHARE.hypot(1.0 - to.sigma.cos());
-        let angle = Angle { angle: bank, sigma: BANK_SIGMA.hypot(share * bank), span_s };
+        let angle = Angle { angle: bank, sigma: BANK_SIGMA.hypot(share * bank), stays: 0.0, span_s };
         let roll = leg.area / span_s;
         (bank.abs() < JUMPS).then_some((angle, roll))
     }

@@ -37,6 +37,8 @@ struct Difference {
     /// The largest that it has been of late: a mean that changes its sign is small for a moment, and what disagrees is not.
     found: f64,
     variance: f64,
+    /// That of what stays, rad².
+    stays: f64,
     /// The time that it stands for, s, up to [`WINDOW_S`].
     weight_s: f64,
     heard: Option<Time>,
@@ -64,6 +66,7 @@ impl Disagree {
             mean: 0.0,
             found: 0.0,
             variance: 0.0,
+            stays: 0.0,
             weight_s: 0.0,
             heard: None,
             disagrees: Debounce::new(LASTS_S.0, LASTS_S.1),
@@ -165,6 +168,7 @@ impl Difference {
         self.mean += share * (angle - reference.angle - self.mean);
         self.found = self.mean.abs().max(self.found * (1.0 - FADES * share));
         self.variance += share * (reference.sigma * reference.sigma - self.variance);
+        self.stays += share * (reference.stays * reference.stays - self.stays);
         self.heard = Some(now);
     }
 
@@ -177,7 +181,7 @@ impl Difference {
             self.forget();
         }
         let alone = (self.weight_s / CORRELATION_S).max(1.0);
-        let expected = (self.variance / alone + sigma * sigma).sqrt();
+        let expected = (self.variance / alone + self.stays + sigma * sigma).sqrt();
         let limit = limit.max(SIGMAS * expected) * if self.disagrees.is_active() { HYSTERESIS } else { 1.0 };
         let there = self.weight_s >= CORRELATION_S && self.mean.abs() > limit;
         self.disagrees.update(there, now);

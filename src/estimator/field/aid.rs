@@ -72,7 +72,7 @@ impl Aid {
             measure(state, t, &said, &mut self.by_course);
         }
         if let Some(climb) = heard.climb {
-            let (off, errors) = (climb.angle.sin() - up[0], (climb.sigma, t.lasting.1));
+            let (off, errors) = (climb.angle.sin() - up[0], (climb.sigma_by(t.lasting.1), t.lasting.1));
             let said = Said { component: 0, offset: 1.0, rate: 0.0, off, errors, dt_s: climb.span_s };
             measure(state, t, &said, &mut self.by_climb);
         }

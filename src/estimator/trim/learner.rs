@@ -4,7 +4,7 @@ use super::departure::Departure;
 use super::differences::{Differences, Explained, Shares};
 use super::prior::Prior;
 use crate::attitude::Attitude;
-use crate::estimator::references::{Angle, References};
+use crate::estimator::references::{AIR_SHARE, Angle, References};
 use crate::frame::Aiding;
 use crate::time::Time;
 
@@ -17,8 +17,6 @@ const STEEPEST_ROLL: f64 = 45_f64.to_radians();
 const STEEPEST_PITCH: f64 = 30_f64.to_radians();
 /// What the angle of attack grows by at twice the weight, about, rad.
 const ATTACK_PER_G: f64 = 5_f64.to_radians();
-/// The share of a lasting climb that may be the air's own rising.
-const AIR_SHARE: f64 = 0.5;
 /// The time after which a reference's error is another one, s: a gust, the beginning or end of a turn; air that rises or
 /// sinks over a hundred metres.
 const LASTS_S: [f64; 2] = [3.0, 7.0];

@@ -111,7 +111,7 @@ mod tests {
             let (now, course) = (Time::from_secs_f64(100.0 + f64::from(s)), turns * f64::from(s));
             let [nose, left] = [course, course - std::f64::consts::FRAC_PI_2].map(|a| north * a.cos() - west * a.sin());
             // As far off as they say, though for a second alone.
-            let mut of = |sigma: f64| (Angle { angle: 0.0, sigma, span_s: 1.0 }, sigma * noise.normal());
+            let mut of = |sigma: f64| (Angle { angle: 0.0, sigma, stays: 0.0, span_s: 1.0 }, sigma * noise.normal());
             let [(bank, bank_off), (climb, climb_off)] = [of(0.14), of(0.075)];
             side.roll(always[0] - left + bank_off, bank, course, now);
             side.pitch(always[1] - nose + climb_off, climb, course, now);

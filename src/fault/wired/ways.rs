@@ -137,7 +137,7 @@ mod tests {
             attitude = Attitude::from_degrees(share * is.0, share * is.1);
             // A reference each second, off by what a gust does.
             let gust = 4.0_f64.to_radians() * (1.7 * t).sin();
-            let is = |angle: f64, sigma: f64| Some(Angle { angle: angle + gust, sigma, span_s: 1.0 });
+            let is = |angle: f64, sigma: f64| Some(Angle { angle: angle + gust, sigma, stays: 0.0, span_s: 1.0 });
             let references = if i % 10 == 0 { [is(attitude.roll, 0.14), is(attitude.pitch, 0.07)] } else { [None; 2] };
             ways.update(shown(t, attitude), references);
         }
