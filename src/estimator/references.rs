@@ -30,7 +30,7 @@ pub const AIR_SHARE: f64 = 0.5;
 /// A reference's error lasts so long, s: within it, more of them say no more. One that stays for so long as what is flown
 /// stays the same lasts longer.
 pub const CORRELATION_S: f64 = 2.0;
-const STAYS_S: f64 = 20.0;
+const STAYS_S: f64 = 5.0;
 
 /// An angle that a reference gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
