@@ -27,9 +27,10 @@ const UPDRAUGHT_M_S: f64 = 1.0;
 /// The share of a climb that may be the air's own rising: a glider circles in it for minutes.
 pub const AIR_SHARE: f64 = 0.5;
 
-/// A reference's error lasts so long, s: within it, more of them say no more. One that stays for so long as what is flown
-/// stays the same lasts longer.
+/// A reference's error lasts so long, s: within it, more of them say no more.
 pub const CORRELATION_S: f64 = 2.0;
+/// Where they are weighed one by one, what stays counts as another error after so long, s: longer, and less is learnt of a
+/// horizon that leans.
 const STAYS_S: f64 = 5.0;
 
 /// An angle that a reference gives.
@@ -49,6 +50,11 @@ impl Angle {
     /// What it weighs beside others that are flown otherwise, 1/rad².
     pub fn weight(&self) -> f64 {
         self.span_s / (CORRELATION_S * self.sigma.powi(2))
+    }
+
+    /// What it weighs where the same is flown for long, 1/rad².
+    pub fn weight_of_same(&self) -> f64 {
+        self.span_s / (CORRELATION_S * self.sigma_by(CORRELATION_S).powi(2))
     }
 
     /// How far it would be off (1σ, rad) were all of its error another one after `lasts_s`, to say as little.
@@ -241,7 +247,7 @@ mod tests {
         assert!((on.angle.sin() - 0.2).abs() < 1e-9 && on.span_s == 1.0);
         aiding.airspeed_m_s = Some(20.0);
         let on = references.hear(&aiding, 0.0, Time::from_secs_f64(6.0)).climb.unwrap();
-        assert!((on.angle.sin() - 0.1).abs() < 1e-9);
+        assert!((on.angle.sin() - 0.1).abs() < 1e-9 && (on.stays - 0.5 * on.angle).abs() < 1e-9);
         assert!((3.0..5.0).contains(&on.sigma.to_degrees()));
     }
 

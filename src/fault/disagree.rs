@@ -125,7 +125,6 @@ impl Disagree {
             let pitch = self.pitched.0 / self.pitched.1;
             self.pitched = (0.0, 0.0);
             if let Some(course) = heard.course.filter(|_| flying) {
-                let climb = Angle { sigma: climb.sigma_by(CORRELATION_S), ..climb };
                 self.side.pitch(pitch - climb.angle, climb, course, now);
             }
             self.pitch.compare(pitch, climb, now);

@@ -59,7 +59,7 @@ impl Side {
 
     fn take(&mut self, by: [f64; 4], more: f64, reference: Angle, now: Time) {
         let since_s = self.heard.replace(now).map_or(0.0, |heard| now.since(heard).max(0.0));
-        let (keep, weight) = ((-since_s / FOUND_S).exp(), reference.weight());
+        let (keep, weight) = ((-since_s / FOUND_S).exp(), reference.weight_of_same());
         for i in 0..4 {
             self.right[i] = keep * self.right[i] + weight * by[i] * more;
             for j in 0..4 {
