@@ -5,7 +5,7 @@
 
 use super::bundle::{Ray, rays};
 use super::fault::surroundings::Seen;
-use super::feature::{Clouds, Ridge, WarmSide};
+use super::feature::{Clouds, Ridge, WarmSide, level};
 use super::ground::Patchwork;
 use super::orientation::Orientation;
 use super::script::Weather;
@@ -22,7 +22,8 @@ pub struct Scene {
     averaging: Averaging,
     response: Response,
     rays: Vec<Ray>,
-    warm: Vec<WarmSide>,
+    /// Each with where it is warmest.
+    warm: Vec<(WarmSide, [f64; 2])>,
     ridges: Vec<Ridge>,
     clouds: Option<Clouds>,
     patchwork: Option<Patchwork>,
@@ -45,7 +46,7 @@ impl Scene {
 
     /// With a side that is warmer.
     pub fn with_warm_side(mut self, warm: WarmSide) -> Self {
-        self.warm.push(warm);
+        self.warm.push((warm, warm.warmest()));
         self
     }
 
@@ -90,12 +91,18 @@ impl Scene {
     /// the averaged quantity.
     fn excess(&self, view: &View<'_>, [north, east, up]: [f64; 3]) -> f64 {
         let View { weather, place_m, beside, .. } = *view;
-        let deficit_k = weather.sky_max_k * self.sky.shape.deficit(up);
+        let hides = self.clouds.is_some() || !self.ridges.is_empty() || !beside.is_empty();
+        // Where nothing hides the sky, and temperatures are averaged, it falls out of the difference.
+        let deficit_k = if hides || self.averaging == Averaging::Radiance {
+            weather.sky_max_k * self.sky.shape.deficit(up)
+        } else {
+            0.0
+        };
         let mut seen_k = deficit_k;
         let mut ground = up <= 0.0;
-        if !ground && (self.clouds.is_some() || !self.ridges.is_empty() || !beside.is_empty()) {
+        if !ground && hides {
             let azimuth = east.atan2(north);
-            let level = north.hypot(east);
+            let level = level(north, east);
             ground = self.ridges.iter().any(|r| up < level * r.outline(azimuth))
                 || beside.iter().any(|s| s.is_ground([north, east, up]));
             let sky_k = match &self.clouds {
@@ -105,8 +112,8 @@ impl Scene {
             let through_k = |sky_k, s: &Straight| s.through_k(sky_k, [north, east, up]);
             seen_k = if ground { 0.0 } else { beside.iter().fold(sky_k, through_k) };
         }
-        for warm in &self.warm {
-            seen_k -= warm.warmth_k(north, east, ground);
+        for (warm, warmest) in &self.warm {
+            seen_k -= warm.warmth_k(*warmest, north, east, ground);
         }
         if let Some(patchwork) = &self.patchwork {
             seen_k -= patchwork.warmth_k(place_m, [north, east, up]);
