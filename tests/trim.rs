@@ -7,6 +7,7 @@ use irhorizon::estimator::trim::{Learner, level};
 use irhorizon::estimator::{Estimator, FieldEstimator, ProfileEstimator};
 use irhorizon::frame::Frame;
 use irhorizon::simulation::Scenario;
+use irhorizon::simulation::aircraft::Aircraft;
 use irhorizon::source::FrameSource;
 use irhorizon::time::Time;
 
@@ -69,6 +70,27 @@ fn a_well_mounted_head_is_let_be() {
             let [largest, ..] = flown(name, seed, PROFILE, 0.0);
             assert!(largest[0] < 0.2 && largest[1] < 0.6, "{name} {seed}: {largest:?}");
         }
+    }
+}
+
+/// In air that rises and sinks, half a minute of climbing looks like a head that sits askew. A trim that comes in vain
+/// is small, and within what is said of it.
+#[test]
+fn a_trim_in_vain_is_within_sigma() {
+    for seed in [3, 8, 17] {
+        let air = Aircraft { wind_m_s: [3.0, -4.0], updraught_m_s: 0.8, ..Aircraft::default() };
+        let scenario = Scenario::named("clear-dry").unwrap().with_aircraft(air);
+        let (mut source, mut frame, mut learner) = (scenario.source(seed), Frame::new(6), Learner::default());
+        let (mut largest, mut beyond) = (0.0_f64, 0.0_f64);
+        for i in 0..FRAMES {
+            let tick = Time::from_nanos(i * 50_000_000);
+            source.scan(tick, &mut frame);
+            learner.update(source.truth_at(tick), &frame.aiding, frame.time);
+            let [trim, sigma] = [learner.trim(), learner.sigma()].map(|a| a.pitch.to_degrees().abs());
+            (largest, beyond) = (largest.max(trim), beyond.max(trim - 2.0 * sigma));
+        }
+        println!("{seed}: pitch trimmed by {largest:.2}° in vain, {beyond:.2}° beyond 2 sigma");
+        assert!(largest < 2.0 && beyond < 0.2, "{seed}: {largest}, {beyond}");
     }
 }
 

@@ -76,10 +76,11 @@ impl Learner {
             && pitch.abs() < STEEPEST_PITCH
         {
             // In a bank only this share of a turn about the wing is a change of pitch, and the wing
-            // carries more than the weight.
+            // carries more than the weight: about so much, and by so much it may be another.
             let share = roll.cos();
-            let sigma = climb.sigma.hypot(ATTACK_PER_G * (1.0 - share));
-            self.learn(1, pitch - climb.angle, Angle { sigma, ..climb }, [share, cos, sin], climb.angle);
+            let attack = ATTACK_PER_G * (1.0 - share);
+            let sigma = climb.sigma.hypot(attack);
+            self.learn(1, pitch - attack - climb.angle, Angle { sigma, ..climb }, [share, cos, sin], climb.angle);
         }
     }
 

@@ -27,7 +27,7 @@ pub struct Belief {
     /// The trim.
     pub trim: f64,
     /// The part of its standard deviation that it brings to the attitude: near 0 while the head is
-    /// believed to be mounted well.
+    /// believed to be mounted well, and largest where either may be.
     pub sigma: f64,
 }
 
@@ -49,7 +49,10 @@ impl Prior {
         let odds =
             (ASKEW / (1.0 - ASKEW)).ln() + 0.5 * (well / both).ln() + 0.5 * mean.powi(2) * (1.0 / well - 1.0 / both);
         let probability = 1.0 / (1.0 + (-CAUTION * odds).exp());
-        Belief { trim: probability * mean * askew / both, sigma: probability * (well * askew / both).sqrt() }
+        let (whole, known) = (mean * askew / both, (well * askew / both).sqrt());
+        // It is off by the whole, less what is taken off, or by that: the variance of the two explanations.
+        let undecided = (probability * (1.0 - probability)).sqrt() * whole;
+        Belief { trim: probability * whole, sigma: (probability * known).hypot(undecided) }
     }
 }
 
@@ -85,6 +88,16 @@ mod tests {
         assert!(pitch(6.0, 5.0).0 < 1.0);
         assert_eq!(pitch(0.0, 1.0).0, 0.0);
         assert!(pitch(1.0, 0.3).1 < 0.1 && (pitch(9.0, 0.3).1 - 1.4).abs() < 0.1);
+    }
+
+    /// By half a trim it is off either way.
+    #[test]
+    fn between_the_two_it_may_be_either() {
+        let tenths = (30..60).map(|d| f64::from(d) / 10.0);
+        let half = tenths.map(|d| (d, pitch(d, 0.3))).find(|(d, (trim, _))| *trim > 0.5 * d).unwrap();
+        let (difference, (trim, sigma)) = half;
+        assert!((4.0..4.6).contains(&difference) && sigma > 0.45 * difference, "{difference}: {trim} +- {sigma}");
+        assert!((pitch(9.0, 0.3).1 - 1.4).abs() < 0.1 && (pitch(-difference, 0.3).1 - sigma).abs() < 1e-12);
     }
 
     #[test]

@@ -17,13 +17,16 @@ impl Flight {
         Self { learner: Learner::default(), now_s: 50.0, course_deg: 0.0, fastest: 0.0 }
     }
 
-    /// Circuits of a straight leg of 40 s and a turn of 10 s at 18 °/s, at 18 m/s.
+    /// Circuits of a straight leg of 40 s and a turn of 10 s at 18 °/s, at 18 m/s; of `attack_deg` in level
+    /// flight.
     fn fly(&mut self, seconds: f64, mounted: Attitude, attack_deg: f64) -> Attitude {
         for i in 0..(seconds * 5.0) as u32 {
             let turn_deg_s: f64 = if i % 250 < 200 { 0.0 } else { 18.0 };
             self.now_s += 0.2;
             self.course_deg = (self.course_deg + turn_deg_s * 0.2).rem_euclid(360.0);
             let bank = (18.0 * turn_deg_s.to_radians() / 9.80665).atan();
+            // 5° more at twice the weight.
+            let attack_deg = attack_deg + 5.0 * (1.0 / bank.cos() - 1.0);
             let body = Attitude { roll: bank, pitch: attack_deg.to_radians() * bank.cos() };
             let aiding = Aiding {
                 ground_speed_m_s: Some(18.0),
