@@ -31,7 +31,7 @@ start_qemu() {
 	timeout -k 3 "$limit" "${QEMU_BASE[@]}" "${QEMU_ACCEL[@]}" \
 		-m "${IRHORIZON_VM_MEMORY:-1024}" \
 		-kernel "$rig/vmlinuz" -initrd "$rig/initrd" \
-		-append "console=ttyS0 quiet panic=-1 oops=panic mitigations=off audit=0 apparmor=0 net.ifnames=0 irhorizon.work=$work" \
+		-append "console=ttyS0 quiet panic=-1 oops=panic mitigations=off audit=0 apparmor=0 norandmaps net.ifnames=0 irhorizon.work=$work" \
 		-serial "file:$work/console" \
 		-chardev file,id=out,path="$work/out" -device virtserialport,nr=1,chardev=out \
 		-chardev file,id=err,path="$work/err" -device virtserialport,nr=2,chardev=err \
