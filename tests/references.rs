@@ -90,6 +90,27 @@ fn some_of_them_are_no_worse_than_none() {
     }
 }
 
+/// A receiver that says anything for three seconds, first of all and every forty seconds: no heading that leaps moves the
+/// attitude, nor teaches a horizon that leans.
+#[test]
+fn a_course_that_leaps_is_no_lean() {
+    let aircraft = Aircraft { wind_m_s: [3.0, -4.0], updraught_m_s: 0.8, ..Aircraft::default() };
+    let scenario = Scenario::named("clear-dry").unwrap().with_aircraft(aircraft);
+    let flights = Flown::all(&scenario, FLIGHTS);
+    let change = |frame: &mut Frame| {
+        let time_s = frame.time.as_secs_f64();
+        if time_s % 40.0 < 3.0 {
+            let any = (7919.0 * time_s).sin();
+            frame.aiding.course_deg = frame.aiding.course_deg.map(|_| 180.0 * any.abs());
+            frame.aiding.climb_m_s = frame.aiding.climb_m_s.map(|_| 6.0 * any);
+        }
+    };
+    let score = score(&flights, change, || said(field(&scenario.head(), 0.1)));
+    let [roll, pitch] = [score.roll_rms_deg, score.pitch_rms_deg].map(|v| v.unwrap());
+    println!("{roll:.3} / {pitch:.3}, p99 {:.2}", score.error_p99_deg.unwrap());
+    assert!(roll.max(pitch) <= 0.1 && score.error_p99_deg.unwrap() <= 0.35, "{score:?}");
+}
+
 /// Rates that come with every second scan, every fifth, every twelfth: rougher the rarer, said so by σ, and worse than none
 /// in no case.
 #[test]

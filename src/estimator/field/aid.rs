@@ -14,6 +14,7 @@ use crate::estimator::vector::{Vector, cross};
 use crate::estimator::wind::{Speed, ThroughAir};
 use crate::frame::Aiding;
 use crate::time::Time;
+use std::f64::consts::PI;
 
 /// A measurement farther from its prediction than this many standard deviations is none.
 const GATE: f64 = 4.0;
@@ -25,6 +26,8 @@ const SILENT_S: f64 = 10.0;
 /// so long, s.
 const BESIDE: f64 = 8_f64.to_radians();
 const BESIDE_S: f64 = 20.0;
+/// A heading that is off by more is another one, and all that was learnt by the compass turns with it, rad (45°).
+const ELSEWHERE: f64 = PI / 4.0;
 
 /// The last that was heard of each, and how much each is off.
 #[derive(Clone, Debug, Default)]
@@ -86,12 +89,13 @@ impl Aid {
         let error = wrapped(heading - (-west[0]).atan2(north[0]));
         // Clockwise from above is about down.
         match self.heading.replace(now) {
-            None => state.turn_heading(error),
-            Some(at) => {
+            Some(at) if error.abs() < ELSEWHERE => {
                 let h = [(TURN, -up[0]), (TURN + 1, -up[1]), (TURN + 2, -up[2])];
                 state.correct(&h, error, lasting((sigma.hypot(BESIDE), BESIDE_S), now.since(at)));
                 state.settle();
             }
+            // No correction: a linear one would move the attitude, too.
+            _ => state.turn_heading(error),
         }
     }
 }
