@@ -50,7 +50,7 @@ impl Prior {
             (ASKEW / (1.0 - ASKEW)).ln() + 0.5 * (well / both).ln() + 0.5 * mean.powi(2) * (1.0 / well - 1.0 / both);
         let probability = 1.0 / (1.0 + (-CAUTION * odds).exp());
         let (whole, known) = (mean * askew / both, (well * askew / both).sqrt());
-        // It is off by the whole, less what is taken off, or by that: the variance of the two explanations.
+        // The whole is the mounting's, or nothing: the variance between the two.
         let undecided = (probability * (1.0 - probability)).sqrt() * whole;
         Belief { trim: probability * whole, sigma: (probability * known).hypot(undecided) }
     }
