@@ -16,6 +16,8 @@ use irhorizon::simulation::flight::{Flight, Waypoint};
 use irhorizon::simulation::instruments::Fitted;
 use irhorizon::simulation::manoeuvre::Style;
 use irhorizon::simulation::trajectory::Trajectory;
+use std::cell::RefCell;
+use std::collections::VecDeque;
 
 const FLIGHTS: u64 = 8;
 
@@ -130,6 +132,25 @@ fn a_slow_gyro_is_no_worse_than_none() {
     let none = rms(u64::MAX);
     for (every, most) in [(2, 0.2), (5, 0.6), (12, 1.05)] {
         assert!(rms(every) < most * none, "every {every}. scan");
+    }
+}
+
+/// Rates that come late with nothing that says so: the attitude is off by that, and sigma by no less.
+#[test]
+fn a_gyro_that_is_late_is_within_sigma() {
+    let scenario = Scenario::named("clear-dry").unwrap();
+    let flights = Flown::all(&scenario, 3);
+    for frames in [2, 5] {
+        let waiting = RefCell::new(VecDeque::from(vec![[None; 3]; frames]));
+        let change = |frame: &mut Frame| {
+            let mut waiting = waiting.borrow_mut();
+            waiting.push_back(frame.aiding.gyro_deg_s);
+            frame.aiding.gyro_deg_s = waiting.pop_front().unwrap_or_default();
+        };
+        let score = score(&flights, change, || said(field(&scenario.head(), 0.1)));
+        let covered = [score.roll_in_2_sigma_percent, score.pitch_in_2_sigma_percent].map(|v| v.unwrap());
+        println!("{frames} frames: roll {:.2}; 2 sigma {covered:.1?} %", score.roll_rms_deg.unwrap());
+        assert!(covered.iter().all(|c| *c > 92.0), "{frames} frames: {covered:?}");
     }
 }
 

@@ -58,9 +58,11 @@ impl FieldEstimator {
         }
     }
 
-    /// How far the attitude may be off while it moves, rad: with a gyro's, it is that of the gyro's clock.
+    /// How far the attitude may be off while it moves, rad: with a gyro's, it is that of the gyro's clock. Sensors that are
+    /// sooner than they can be are those of a gyro that is late.
     pub(super) fn late(&self) -> Attitude {
-        let clock_s = self.tuning.clock_s;
+        let sooner_s = (self.tuning.lag_s - self.state.lag_s(self.tuning.lag_s)).max(0.0);
+        let clock_s = self.tuning.clock_s.hypot(sooner_s);
         let moving = self.turning().map_or_else(Attitude::default, |rates| moving(&self.state, rates));
         Attitude { roll: clock_s * moving.roll, pitch: clock_s * moving.pitch }
     }
