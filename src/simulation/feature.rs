@@ -29,26 +29,34 @@ pub struct WarmSide {
     pub ground: bool,
 }
 
-impl WarmSide {
-    /// The unit vector to where it is warmest: to north, to east.
-    pub(super) fn warmest(&self) -> [f64; 2] {
-        let (sin, cos) = self.azimuth_deg.to_radians().sin_cos();
-        [cos, sin]
-    }
+/// A [`WarmSide`] as its rays are asked, and the unit vector to where it is warmest: to north, to east.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Warmth {
+    side: WarmSide,
+    warmest: [f64; 2],
+}
 
-    /// The warmth, K, in the direction whose unit vector has `north` and `east`, of the ground or of the sky; with
-    /// its [`WarmSide::warmest`].
-    pub(super) fn warmth_k(&self, warmest: [f64; 2], north: f64, east: f64, ground: bool) -> f64 {
-        if !(if ground { self.ground } else { self.sky }) {
+impl From<WarmSide> for Warmth {
+    fn from(side: WarmSide) -> Self {
+        let (sin, cos) = side.azimuth_deg.to_radians().sin_cos();
+        Self { side, warmest: [cos, sin] }
+    }
+}
+
+impl Warmth {
+    /// The warmth, K, in the direction whose unit vector has `north` and `east`, of the ground or of the sky.
+    pub(super) fn kelvin(&self, north: f64, east: f64, ground: bool) -> f64 {
+        let Self { side, warmest } = self;
+        if !(if ground { side.ground } else { side.sky }) {
             return 0.0;
         }
         let toward = north * warmest[0] + east * warmest[1];
-        let share = match self.round {
+        let share = match side.round {
             Round::Half => f64::from(toward > 0.0),
-            Round::Cosine => 0.5 + 0.5 * toward / level(north, east).max(1e-12),
+            Round::Cosine => 0.5 + 0.5 * toward / horizontal(north, east).max(1e-12),
             Round::Slope => 0.5 + 0.5 * toward,
         };
-        self.amplitude_k * share
+        side.amplitude_k * share
     }
 }
 
@@ -181,8 +189,8 @@ pub(super) fn behind_k(deficit_k: f64, opacity: f64, base_k: f64) -> f64 {
     deficit_k - opacity * (deficit_k - deficit_k.min(base_k))
 }
 
-/// How much of a unit vector is level.
-pub(super) fn level(north: f64, east: f64) -> f64 {
+/// How much of a direction is horizontal.
+pub(super) fn horizontal(north: f64, east: f64) -> f64 {
     (north * north + east * east).sqrt()
 }
 
@@ -200,14 +208,14 @@ mod tests {
     fn warmth_goes_round_the_compass() {
         let east = WarmSide { azimuth_deg: 90.0, amplitude_k: 4.0, round: Round::Cosine, sky: true, ground: false };
         for (north, east_part, warmth_k) in [(0.0, 0.7, 4.0), (0.0, -0.1, 0.0), (1.0, 0.0, 2.0), (0.0, 0.0, 2.0)] {
-            assert!((east.warmth_k(east.warmest(), north, east_part, false) - warmth_k).abs() < 1e-9);
-            assert_eq!(east.warmth_k(east.warmest(), north, east_part, true), 0.0);
+            assert!((Warmth::from(east).kelvin(north, east_part, false) - warmth_k).abs() < 1e-9);
+            assert_eq!(Warmth::from(east).kelvin(north, east_part, true), 0.0);
         }
         let half = WarmSide { round: Round::Half, ..east };
-        assert_eq!([0.1, -0.1].map(|east| half.warmth_k(half.warmest(), 9.0, east, false)), [4.0, 0.0]);
+        assert_eq!([0.1, -0.1].map(|east| Warmth::from(half).kelvin(9.0, east, false)), [4.0, 0.0]);
         let slope = WarmSide { round: Round::Slope, azimuth_deg: 0.0, ..half };
         assert_eq!(
-            [1.0, 0.5, 0.0, -1.0].map(|north| slope.warmth_k(slope.warmest(), north, 0.0, false)),
+            [1.0, 0.5, 0.0, -1.0].map(|north| Warmth::from(slope).kelvin(north, 0.0, false)),
             [4.0, 3.0, 2.0, 0.0]
         );
     }

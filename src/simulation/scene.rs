@@ -5,7 +5,7 @@
 
 use super::bundle::{Ray, rays};
 use super::fault::surroundings::Seen;
-use super::feature::{Clouds, Ridge, WarmSide, level};
+use super::feature::{Clouds, Ridge, WarmSide, Warmth, horizontal};
 use super::ground::Patchwork;
 use super::orientation::Orientation;
 use super::script::Weather;
@@ -22,8 +22,7 @@ pub struct Scene {
     averaging: Averaging,
     response: Response,
     rays: Vec<Ray>,
-    /// Each with where it is warmest.
-    warm: Vec<(WarmSide, [f64; 2])>,
+    warm: Vec<Warmth>,
     ridges: Vec<Ridge>,
     clouds: Option<Clouds>,
     patchwork: Option<Patchwork>,
@@ -46,7 +45,7 @@ impl Scene {
 
     /// With a side that is warmer.
     pub fn with_warm_side(mut self, warm: WarmSide) -> Self {
-        self.warm.push((warm, warm.warmest()));
+        self.warm.push(warm.into());
         self
     }
 
@@ -102,7 +101,7 @@ impl Scene {
         let mut ground = up <= 0.0;
         if !ground && hides {
             let azimuth = east.atan2(north);
-            let level = level(north, east);
+            let level = horizontal(north, east);
             ground = self.ridges.iter().any(|r| up < level * r.outline(azimuth))
                 || beside.iter().any(|s| s.is_ground([north, east, up]));
             let sky_k = match &self.clouds {
@@ -112,8 +111,8 @@ impl Scene {
             let through_k = |sky_k, s: &Straight| s.through_k(sky_k, [north, east, up]);
             seen_k = if ground { 0.0 } else { beside.iter().fold(sky_k, through_k) };
         }
-        for (warm, warmest) in &self.warm {
-            seen_k -= warm.warmth_k(*warmest, north, east, ground);
+        for warm in &self.warm {
+            seen_k -= warm.kelvin(north, east, ground);
         }
         if let Some(patchwork) = &self.patchwork {
             seen_k -= patchwork.warmth_k(place_m, [north, east, up]);

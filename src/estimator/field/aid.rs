@@ -14,7 +14,6 @@ use crate::estimator::vector::{Vector, cross};
 use crate::estimator::wind::{Speed, ThroughAir};
 use crate::frame::Aiding;
 use crate::time::Time;
-use std::f64::consts::PI;
 
 /// A measurement farther from its prediction than this many standard deviations is none.
 const GATE: f64 = 4.0;
@@ -26,8 +25,8 @@ const SILENT_S: f64 = 10.0;
 /// so long, s.
 const BESIDE: f64 = 8_f64.to_radians();
 const BESIDE_S: f64 = 20.0;
-/// A heading that is off by more is another one, and all that was learnt by the compass turns with it, rad (45°).
-const ELSEWHERE: f64 = PI / 4.0;
+/// A heading that is off by more is another one, and all that was learnt by the compass turns with it, rad.
+const ELSEWHERE: f64 = 45_f64.to_radians();
 
 /// The last that was heard of each, and how much each is off.
 #[derive(Clone, Debug, Default)]
