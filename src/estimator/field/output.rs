@@ -17,10 +17,9 @@ pub fn moving(state: &State, rates: Vector) -> Attitude {
     Attitude { roll, pitch }
 }
 
-/// Roll and pitch with their standard deviations; then these as they would be were the body rates known. Near the
-/// vertical, where roll has no meaning, its standard deviation grows.
-pub fn attitude(state: &State) -> (Attitude, Attitude, Attitude) {
-    let up = state.vertical();
+/// Roll and pitch where `up` is the upward vertical on (nose, left, up), with their standard deviations; then these as they
+/// would be were the body rates known. Near the vertical, where roll has no meaning, its standard deviation grows.
+pub fn attitude(state: &State, up: Vector) -> (Attitude, Attitude, Attitude) {
     let attitude = Attitude { roll: up[1].atan2(up[2]), pitch: up[0].clamp(-1.0, 1.0).asin() };
     let [roll, pitch] = slopes(up).map(|by| std::array::from_fn(|k| (TURN + k, by[k])));
     let sigmas = |h: &[(usize, f64); 3]| {

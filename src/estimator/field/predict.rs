@@ -4,10 +4,11 @@ use super::askew;
 use super::model::{Model, Scene};
 use super::rates::{correction, rates, turning};
 use super::state::{
-    CONTRAST, DEPTH, GROUND, LAG, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SPAN_K, State, TURN, VIEW,
+    CONTRAST, DEPTH, GROUND, LAG, LATE_S, LEAN, MAX_SENSORS, OFFSET, RADIANCE, RATE, SEEN, SOONEST, SPAN_K, State,
+    TURN, VIEW,
 };
 use super::tuning::Tuning;
-use crate::estimator::vector::{Vector, add_scaled, cross, length, product, rotation, unit};
+use crate::estimator::vector::{Vector, add_scaled, dot, length, product, rotation};
 
 /// How much moves, as learnt from the innovations.
 #[derive(Clone, Copy, Debug)]
@@ -160,10 +161,13 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
     let gain = 1.0 - keep;
     // How old, on the average over this step, what they follow is: exact for what goes in a straight line.
     let age_s = if gain > 0.0 { (lag_s - dt_s * keep / gain).clamp(0.0, dt_s) } else { dt_s };
+    // Of a gyro that is late they see what it has yet to say.
+    let age_s = age_s - state.late_s();
     let axes = if age_s >= dt_s {
         *before
     } else {
-        state.axes.map(|a| unit(add_scaled(a, age_s, cross(rate, a))).unwrap_or(a))
+        let back = rotation(rate.map(|r| age_s * r));
+        state.axes.map(|a| product(&back, a))
     };
     let scene = scene(state);
     let mut slopes = [[(0_usize, 0.0_f64); 19]; MAX_SENSORS];
@@ -174,7 +178,11 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
         let share = (s.value - s.by_ground * scene.ground_c) / SPAN_K;
         let off = state.x[error] + share * state.x[scale];
         let input = s.value + s.scene * state.x[own] + off;
-        let lag = if lag_s > 1e-4 { keep * dt_s / lag_s * (state.x[SEEN + i] - input) } else { 0.0 };
+        let lag = if lag_s > 1e-4 && state.x[LAG] >= SOONEST {
+            keep * dt_s / lag_s * (state.x[SEEN + i] - input)
+        } else {
+            -gain * LATE_S * dot(s.by_turn, rate)
+        };
         let ([x, y, z], [north, west]) = (s.by_turn, s.by_lean);
         *slope = [
             (TURN, x),

@@ -6,11 +6,15 @@ use super::output::{attitude, moving};
 use super::state::CONTRAST;
 use crate::attitude::Attitude;
 use crate::estimator::guard::guard;
+use crate::estimator::vector::{Vector, product, rotation};
 use crate::estimator::{Otherwise, PAIR_SLOPE, Solution};
+
+/// The deviation of what is all or nothing, and one as likely as the other, from all of it: as a share.
+const EITHER: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 impl FieldEstimator {
     pub(super) fn solution(&self) -> Solution {
-        let (mut attitude, own, at_rest) = attitude(&self.state);
+        let (mut attitude, own, at_rest) = attitude(&self.state, self.vertical());
         let contrast_k = self.state.x[CONTRAST];
         // A warm side looks like an attitude where nothing else tells of that; that there is one shows elsewhere.
         let t = &self.tuning;
@@ -58,11 +62,18 @@ impl FieldEstimator {
         }
     }
 
-    /// How far the attitude may be off while it moves, rad: with a gyro's, it is that of the gyro's clock. Sensors that are
-    /// sooner than they can be are those of a gyro that is late.
+    /// The upward vertical on (nose, left, up): a gyro's that is late, turned on by as much as it has yet to say.
+    fn vertical(&self) -> Vector {
+        let late_s = self.state.late_s();
+        let back = self.turning().map_or([0.0; 3], |rates| rates.map(|r| -late_s * r));
+        product(&rotation(back), self.state.vertical())
+    }
+
+    /// How far the attitude may be off while it moves, rad: with a gyro's, it is that of the gyro's clock. Where that seems to
+    /// be late it may as well be that the sensors are sooner than they are said to be, and nothing else is.
     pub(super) fn late(&self) -> Attitude {
         let sooner_s = (self.tuning.lag_s - self.state.lag_s(self.tuning.lag_s)).max(0.0);
-        let clock_s = self.tuning.clock_s.hypot(sooner_s);
+        let clock_s = self.tuning.clock_s.hypot(EITHER * (sooner_s + self.state.late_s()));
         let moving = self.turning().map_or_else(Attitude::default, |rates| moving(&self.state, rates));
         Attitude { roll: clock_s * moving.roll, pitch: clock_s * moving.pitch }
     }

@@ -23,10 +23,15 @@ pub const DEPTH: usize = 8;
 pub const LEAN: usize = 9;
 /// What coordinated turns and climb say more than the thermopiles: roll and pitch, rad.
 pub const OFFSET: usize = 11;
-/// The logarithm of the sensors' time constant over the configured one.
+/// The logarithm of the sensors' time constant over the configured one, down to [`SOONEST`]. What it is below that is how late
+/// a gyro is, as a multiple of [`LATE_S`].
 pub const LAG: usize = 13;
 /// The least and the most that this may be.
-pub const LAGGED: (f64, f64) = (-2.0, 2.0);
+pub const LAGGED: (f64, f64) = (-3.0, 2.0);
+/// Sensors are no sooner than what filters them, within its tolerance.
+pub const SOONEST: f64 = -0.15;
+/// A gyro is as likely to be so late as the time constant to be e times as long, s.
+pub const LATE_S: f64 = 0.1;
 /// How else the sensors see than they are said to: wider, and as two other forms, a [`View`].
 pub const VIEW: usize = 14;
 /// How much of what they see the sensors average in radiance: 0 none of it, and all in temperature, 1 all of it.
@@ -75,7 +80,12 @@ pub struct State {
 impl State {
     /// The sensors' time constant where `configured_s` is configured, s.
     pub fn lag_s(&self, configured_s: f64) -> f64 {
-        configured_s * self.x[LAG].clamp(LAGGED.0, LAGGED.1).exp()
+        configured_s * self.x[LAG].clamp(SOONEST, LAGGED.1).exp()
+    }
+
+    /// How late a gyro's rates are, s.
+    pub fn late_s(&self) -> f64 {
+        LATE_S * (SOONEST - self.x[LAG]).clamp(0.0, SOONEST - LAGGED.0)
     }
 
     /// Level, heading north, everything else zero and certain.
