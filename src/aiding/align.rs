@@ -5,7 +5,7 @@
 //! hundredths of a second and [`LONGEST_S`] at most, and [`carry`](super::carry) makes up for the wait. Without rates
 //! frames pass at once.
 
-use super::carry::carry;
+use super::carry::{FARTHEST_S, carry};
 use super::compare::Comparison;
 use super::rates::Rates;
 use super::{Autopilot, Link, Said, What};
@@ -49,6 +49,8 @@ pub struct Aligner {
     comparison: Comparison,
     /// The last frame that went out.
     gone: Option<Time>,
+    /// Whether what waits is carried on by the rates.
+    carries: bool,
 }
 
 /// How old rates are when they arrive, s.
@@ -89,6 +91,7 @@ impl Aligner {
             attitude: None,
             comparison: Comparison::default(),
             gone: None,
+            carries: true,
         }
     }
 
@@ -101,6 +104,11 @@ impl Aligner {
             self.comparison = Comparison::default();
         }
         self.link = link;
+    }
+
+    /// Whether the attitude is carried on by the rates, as it is while they are believed: else no frame waits for them.
+    pub fn carries(&mut self, carries: bool) {
+        self.carries = carries;
     }
 
     /// Takes in what the autopilot said. What cannot be is not heard.
@@ -163,7 +171,11 @@ impl Aligner {
         let Some(first) = self.held.front() else { return false };
         let moment = first.sample_time().unwrap_or(first.time);
         let has_rates = self.has_rates(now);
+        // One that waits for the next could be carried no farther.
+        let near = self.gone.is_none_or(|gone| moment.since(gone) <= FARTHEST_S);
         let waits = has_rates
+            && self.carries
+            && near
             && self.held.len() <= ROOM
             && self.rates.newest().is_none_or(|newest| newest < moment)
             && (0.0..self.longest_s()).contains(&now.since(moment));

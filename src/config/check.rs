@@ -75,7 +75,10 @@ fn chip(sensor: &Read<'_>, first: &Read<'_>, findings: &Findings<'_>) {
         {
             "data-ready"
         }
-        _ => return,
+        _ => match (&sensor.settings.power, &first.settings.power) {
+            (Some(a), Some(b)) if a != b => "power",
+            _ => return,
+        },
     };
     let place = sensor.place(key);
     let line = findings.line(first.place(key), place);
@@ -128,6 +131,9 @@ fn lines(settings: &Settings, sensors: &Sensors<'_>, lamp: Place, findings: &Fin
     }
 }
 
+/// What an upright pair shows of a clear sky, K.
+const CLEAR_SKY_K: f64 = 50.0;
+
 /// What is allowed but hardly meant.
 pub fn warnings(settings: &Settings) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -140,6 +146,18 @@ pub fn warnings(settings: &Settings) -> Vec<String> {
         }
         if Direction::named(&s.name).is_some_and(|d| d.dot(s.direction.components()) < 0.999) {
             warnings.push(format!("sensor \"{}\": in spite of its name it looks {}", s.name, s.direction));
+        }
+    }
+    for s in &settings.sensors {
+        if let DeviceSettings::Ads1115(a) = &s.device {
+            let range_k = (a.gain_v - a.neutral_v.abs()) * a.kelvin_per_v.abs();
+            if range_k < CLEAR_SKY_K {
+                warnings.push(format!(
+                    "sensor \"{}\": its range ends {range_k:.0} K from neutral, and a clear sky shows {CLEAR_SKY_K:.0} K: choose \
+                     a larger gain-v",
+                    s.name
+                ));
+            }
         }
     }
     let MavlinkSettings { system_id, component_id, autopilot_id, .. } = settings.mavlink;

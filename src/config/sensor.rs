@@ -142,7 +142,11 @@ fn ads1115(s: &mut Section<'_>, bus: Option<PathBuf>) -> Option<Ads1115Settings>
         [8.0, 16.0, 32.0, 64.0, 128.0, 250.0, 475.0, 860.0].contains(&v)
     });
     let continuous = s.choice("mode", &[("single-shot", false), ("continuous", true)]).unwrap_or(false);
+    let gain_v = gain_v.unwrap_or(2.048);
     let neutral_v = s.range("neutral-v", -6.144, 6.144, " V").unwrap_or(0.0);
+    if neutral_v.abs() >= gain_v {
+        s.wrong("neutral-v", &format!("is beyond the range of ±{gain_v} V: choose a larger gain-v"));
+    }
     let kelvin = "K for each V, 0.001 to 1000000, negative for a pair wired inverted";
     if !s.has("kelvin-per-v") {
         s.missing("kelvin-per-v", kelvin);
@@ -153,7 +157,7 @@ fn ads1115(s: &mut Section<'_>, bus: Option<PathBuf>) -> Option<Ads1115Settings>
         bus: bus?,
         address: address?,
         input: input?,
-        gain_v: gain_v.unwrap_or(2.048),
+        gain_v,
         data_rate_sps: rate.unwrap_or(860.0) as u16,
         continuous,
         neutral_v,

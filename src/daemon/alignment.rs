@@ -51,8 +51,9 @@ impl Alignment {
         self.aligner.offer(frame);
     }
 
-    /// The next frame for the estimator, if one need not wait at `now`.
-    pub fn next(&mut self, now: Time) -> Option<&Frame> {
+    /// The next frame for the estimator of `horizon`, if one need not wait at `now`.
+    pub fn next(&mut self, now: Time, horizon: &Horizon) -> Option<&Frame> {
+        self.aligner.carries(horizon.rate_correction().is_some());
         self.aligner.next(now, &mut self.frame).then_some(&self.frame)
     }
 
@@ -68,7 +69,7 @@ impl Alignment {
         let autopilot = self.aligner.autopilot(now);
         let believed = horizon.rate_correction().is_some();
         // While they are silent nothing is known of them.
-        if autopilot.used && believed != self.believed {
+        if autopilot.used && horizon.judges_rates() && believed != self.believed {
             self.believed = believed;
             if believed {
                 log::info!("the autopilot's body rates are believed again");

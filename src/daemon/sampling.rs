@@ -139,7 +139,7 @@ impl Sampling {
         }
         let Self { source, horizon, frame, alignment, estimate, taps, line, writer, .. } = self;
         alignment.offer(frame);
-        while let Some(aligned) = alignment.next(frame.time) {
+        while let Some(aligned) = alignment.next(frame.time, horizon) {
             horizon.update(aligned, source.buses_down(), estimate);
             taps.offer(line, |line| writer.row(aligned, line));
             alignment.compare(estimate);

@@ -131,10 +131,15 @@ pub trait Estimator: Send {
     /// finite or not in 0..=5 changes nothing.
     fn set_lag_s(&mut self, _lag_s: f64) {}
 
+    /// Whether it hears a gyro and tells whether that turns as is seen.
+    fn judges_rates(&self) -> bool {
+        false
+    }
+
     /// What is to be added to the gyro's body rates, rad/s on (nose, left, up): minus its bias, where that is known. `None`
-    /// where a gyro is heard and not believed.
+    /// where a gyro is not believed, and for methods that cannot tell.
     fn rate_correction(&self) -> Option<Vector> {
-        Some([0.0; 3])
+        None
     }
 
     /// How fast the head turned after the last frame, rad/s on its (nose, left, up); `None` for methods that do not know.

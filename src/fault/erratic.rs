@@ -60,14 +60,15 @@ impl ErraticSensors {
         Self { watches: vec![Watch::default(); head.sensors.len()], head: head.clone() }
     }
 
-    /// Makes [`Missing::Impossible`] of each reading that jumps by more than 10 K and 800 K a second, and, after more than two
+    /// Makes [`Missing::Impossible`] of each reading that is no temperature or jumps by more than 10 K and 800 K a second, and, after more than two
     /// of these in a second, of all that the sensor says until it has been calm for one to some seconds.
     pub fn take_out(&mut self, frame: &mut Frame) {
         for (i, watch) in self.watches.iter_mut().enumerate() {
-            if let Some((reading_k, time)) = self.head.reading_k(i, frame)
-                && !watch.believes(time, reading_k)
-            {
-                frame.readings[i] = Err(Missing::Impossible);
+            // What is read and is no temperature means nothing.
+            let believed =
+                self.head.reading_k(i, frame).is_some_and(|(reading_k, time)| watch.believes(time, reading_k));
+            if let Some(reading) = frame.readings.get_mut(i).filter(|reading| reading.is_ok() && !believed) {
+                *reading = Err(Missing::Impossible);
             }
         }
     }
@@ -76,6 +77,7 @@ impl ErraticSensors {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::{Sample, Value};
 
     /// Which readings of one sensor, K, 50 a second, are believed.
     fn believed(readings_k: &[f64]) -> Vec<bool> {
@@ -117,6 +119,19 @@ mod tests {
         let back = believed[550..].iter().position(|b| *b).unwrap();
         assert!((50..250).contains(&back), "{back}");
         assert!(believed[550 + back..].iter().all(|b| *b));
+    }
+
+    #[test]
+    fn what_is_no_temperature_is_impossible() {
+        let (mut sensors, mut frame) = (ErraticSensors::new(&Head::six()), Frame::new(6));
+        let values = [20.0, 5000.0, f64::NAN].map(|object_c| Value::Absolute { object_c, ambient_c: None });
+        for (reading, value) in frame.readings.iter_mut().zip(values) {
+            *reading = Ok(Sample { value, time: Time::from_secs_f64(10.0) });
+        }
+        sensors.take_out(&mut frame);
+        assert!(frame.readings[0].is_ok(), "{frame:?}");
+        assert_eq!(frame.readings[1..3], [Err(Missing::Impossible); 2]);
+        assert_eq!(frame.readings[3..], [Err(Missing::NotYet); 3]);
     }
 
     #[test]

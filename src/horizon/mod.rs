@@ -110,6 +110,11 @@ impl Horizon {
         }
     }
 
+    /// Whether it is told if the body rates of a gyro are those that are seen.
+    pub fn judges_rates(&self) -> bool {
+        self.estimator.judges_rates()
+    }
+
     /// What is to be added to the body rates of a gyro, rad/s on the head's (nose, left, up); `None` where they are not
     /// believed.
     pub fn rate_correction(&self) -> Option<Vector> {

@@ -95,6 +95,34 @@ fn rates_that_come_too_late_or_are_not_wanted_are_not_waited_for() {
 }
 
 #[test]
+fn rates_that_carry_nothing_on_are_heard_and_not_waited_for() {
+    let mut aligner = Aligner::new(1);
+    aligner.linked(heard(true, 0));
+    aligner.carries(false);
+    let gone = run(&mut aligner, 0..2000, late);
+    let since = gone.iter().filter(|(ms, ..)| *ms > 200);
+    assert!(since.clone().all(|(ms, now, rate)| ms == now && rate.is_some()), "{gone:?}");
+}
+
+/// Nothing is carried on over half a second.
+#[test]
+fn frames_that_are_far_apart_do_not_wait_for_the_next() {
+    let mut aligner = Aligner::new(1);
+    aligner.linked(heard(true, 0));
+    let (mut out, mut passed) = (frame(0), 0);
+    for now in (0..10_000).step_by(20) {
+        late(now).iter().for_each(|s| aligner.hear(s));
+        if now % 500 == 0 {
+            aligner.offer(&frame(now));
+            while aligner.next(at(now), &mut out) {
+                passed += i32::from(out.time == at(now));
+            }
+        }
+    }
+    assert_eq!(passed, 20);
+}
+
+#[test]
 fn what_the_source_says_itself_is_left_as_it_is() {
     let mut aligner = Aligner::new(1);
     aligner.linked(heard(true, 0));

@@ -298,6 +298,10 @@ impl FieldEstimator {
 }
 
 impl Estimator for FieldEstimator {
+    fn judges_rates(&self) -> bool {
+        true
+    }
+
     fn rate_correction(&self) -> Option<Vector> {
         if self.gyro.in_use() { Some(correction(&self.state)) } else { self.gyro.heard().is_none().then_some([0.0; 3]) }
     }
