@@ -29,3 +29,35 @@ impl Switch for OutputLine {
         self.handle.set_value(on.into()).map_err(|e| GpioError::failed("setting", Shown(self.handle.line()), e))
     }
 }
+
+/// An output whose GPIO chip may come and go: it is requested again where it is not there or fails.
+#[derive(Debug)]
+pub struct PlugInLine {
+    settings: LineSettings,
+    line: Option<OutputLine>,
+}
+
+impl PlugInLine {
+    /// Requested when it is first switched.
+    pub fn new(settings: &LineSettings) -> Self {
+        Self { settings: settings.clone(), line: None }
+    }
+}
+
+impl Switch for PlugInLine {
+    fn set(&mut self, on: bool) -> Result<(), GpioError> {
+        let line = match self.line.take() {
+            None => OutputLine::open(&self.settings, on)?,
+            Some(mut line) => match line.set(on) {
+                Ok(()) => line,
+                Err(_) => {
+                    // The chip has one line for one handle.
+                    drop(line);
+                    OutputLine::open(&self.settings, on)?
+                }
+            },
+        };
+        self.line = Some(line);
+        Ok(())
+    }
+}

@@ -64,7 +64,7 @@ impl<'a> Packet<'a> {
         // There is no extra CRC of 0 in the dialect but for ids that it has not.
         let extra = MavMessage::extra_crc(id);
         if extra == 0 {
-            return Err(Not::Message);
+            return Err(Not::Foreign(whole));
         }
         let Some(frame) = bytes.get(..whole) else { return Err(Not::Yet) };
         let crc = u16::from_le_bytes([frame[end], frame[end + 1]]);
@@ -90,8 +90,10 @@ impl<'a> Packet<'a> {
 enum Not {
     /// More bytes are needed to tell.
     Yet,
-    /// It is none, or one that the dialect has not.
+    /// It is none.
     Message,
+    /// It may be one of so many bytes that the dialect has not.
+    Foreign(usize),
     /// It looks like one that the dialect has, but its CRC does not hold.
     Whole,
 }
@@ -101,30 +103,37 @@ enum Not {
 pub struct Skipped {
     /// Bytes that belong to no message of the dialect.
     pub bytes: u64,
-    /// What looked like a message of the dialect, but for its CRC.
+    /// What looked like a message of the dialect, but for its CRC; not what another message may have in it.
     pub bad_crc: u64,
 }
 
 impl Skipped {
-    /// Passes over the start of `bytes`, which is `not` one of a message; gives the rest.
-    fn over<'a>(&mut self, bytes: &'a [u8], not: Not) -> &'a [u8] {
+    /// Passes over the start of `bytes`, which is `not` one of a message; gives the rest. `foreign` bytes may belong to a message
+    /// that the dialect has not.
+    fn over<'a>(&mut self, bytes: &'a [u8], not: Not, foreign: &mut usize) -> &'a [u8] {
+        match not {
+            Not::Foreign(length) if *foreign == 0 => *foreign = length,
+            Not::Whole if *foreign == 0 => self.bad_crc += 1,
+            _ => {}
+        }
         let rest = next(bytes);
-        self.bytes += (bytes.len() - rest.len()) as u64;
-        self.bad_crc += u64::from(not == Not::Whole);
+        let passed = bytes.len() - rest.len();
+        self.bytes += passed as u64;
+        *foreign = foreign.saturating_sub(passed);
         rest
     }
 }
 
 /// Gives `heed` every message in a datagram. What is cut off at its end is lost.
 pub fn datagram(mut bytes: &[u8], mut heed: impl FnMut(Packet<'_>)) -> Skipped {
-    let mut skipped = Skipped::default();
+    let (mut skipped, mut foreign) = (Skipped::default(), 0);
     while !bytes.is_empty() {
         match Packet::at_start(bytes) {
             Ok(packet) => {
-                bytes = &bytes[packet.bytes.len()..];
+                (bytes, foreign) = (&bytes[packet.bytes.len()..], 0);
                 heed(packet);
             }
-            Err(not) => bytes = skipped.over(bytes, not),
+            Err(not) => bytes = skipped.over(bytes, not, &mut foreign),
         }
     }
     skipped
@@ -141,11 +150,13 @@ fn next(bytes: &[u8]) -> &[u8] {
 pub struct Deframer {
     buffer: [u8; 2 * MAX_FRAME],
     held: usize,
+    /// So many of the next bytes may belong to a message that the dialect has not.
+    foreign: usize,
 }
 
 impl Default for Deframer {
     fn default() -> Self {
-        Self { buffer: [0; 2 * MAX_FRAME], held: 0 }
+        Self { buffer: [0; 2 * MAX_FRAME], held: 0, foreign: 0 }
     }
 }
 
@@ -165,7 +176,7 @@ impl Deframer {
 
     /// Forgets a message begun: the stream is another one.
     pub fn clear(&mut self) {
-        self.held = 0;
+        (self.held, self.foreign) = (0, 0);
     }
 
     fn drain(&mut self, skipped: &mut Skipped, heed: &mut impl FnMut(Packet<'_>)) {
@@ -173,12 +184,12 @@ impl Deframer {
         loop {
             match Packet::at_start(rest) {
                 Ok(packet) => {
-                    rest = &rest[packet.bytes.len()..];
+                    (rest, self.foreign) = (&rest[packet.bytes.len()..], 0);
                     heed(packet);
                 }
                 // At most one message less a byte stays: there is always room for more.
                 Err(Not::Yet) => break,
-                Err(not) => rest = skipped.over(rest, not),
+                Err(not) => rest = skipped.over(rest, not, &mut self.foreign),
             }
         }
         let left = rest.len();
@@ -225,6 +236,21 @@ mod tests {
         let mut seen = 0;
         assert_eq!(stream.take(&bytes, |_| seen += 1), Skipped { bytes: 9 + 21, bad_crc: 1 });
         assert_eq!(seen, 2);
+    }
+
+    /// A message of ArduPilot's, 163, with what looks like the headers of others in it, and a heartbeat that is damaged.
+    #[test]
+    fn what_another_dialect_says_is_not_damaged() {
+        let mut ahrs = vec![0xfd, 28, 0, 0, 1, 1, 1, 163, 0, 0];
+        ahrs.extend([0xfe, 9, 7, 3, 1, 0, 0, 0, 0, 0, 2, 3, 0, 0xfd, 9, 0, 0, 7, 3, 1, 0, 0, 0, 1, 2, 3, 4, 5, 9, 9]);
+        let mut bytes = [ahrs, frames(2).concat()].concat();
+        *bytes.last_mut().unwrap() ^= 1;
+        for piece in [1, 30, bytes.len()] {
+            let (mut stream, mut bad_crc, mut seen) = (Deframer::default(), 0, 0);
+            bytes.chunks(piece).for_each(|piece| bad_crc += stream.take(piece, |_| seen += 1).bad_crc);
+            assert_eq!((seen, bad_crc), (1, 1), "{piece} at a time");
+        }
+        assert_eq!(datagram(&bytes, |_| {}).bad_crc, 1);
     }
 
     #[test]

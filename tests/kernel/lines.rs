@@ -3,7 +3,7 @@
 use crate::rig::require_kernel;
 use irhorizon::config::settings::LineSettings;
 use irhorizon::gpio::edge::EdgeInput;
-use irhorizon::gpio::output::OutputLine;
+use irhorizon::gpio::output::{OutputLine, PlugInLine};
 use irhorizon::gpio::pin::{PinReady, PinSwitch};
 use irhorizon::gpio::{DataReady, GpioError, Switch, lines};
 use linux_embedded_hal::CdevPin;
@@ -73,6 +73,7 @@ fn lines_of_a_kernels_chip() {
     chips(&sim);
     edges(&sim);
     outputs(&sim);
+    comes_later(&sim);
     pins(&sim);
 }
 
@@ -132,6 +133,18 @@ fn outputs(sim: &Sim) {
             switch.set(on).unwrap();
             assert_eq!(sim.level(5), on != active_low, "active low {active_low}, on {on}");
         }
+    }
+}
+
+/// A supply's line that cannot be had at first is taken when it can.
+fn comes_later(sim: &Sim) {
+    let mut supply = PlugInLine::new(&line(3, false));
+    let held = OutputLine::open(&line(3, false), false).unwrap();
+    assert!(matches!(supply.set(true), Err(GpioError::Busy { .. })));
+    drop(held);
+    for on in [true, false, true] {
+        supply.set(on).unwrap();
+        assert_eq!(sim.level(3), on);
     }
 }
 

@@ -6,7 +6,7 @@ use crate::bus::explain::Place;
 use crate::bus::linux::LinuxBus;
 use crate::config::settings::{Ads1115Settings, DeviceSettings, LineSettings, Mlx90614Settings, Settings};
 use crate::gpio::Switch;
-use crate::gpio::output::OutputLine;
+use crate::gpio::output::PlugInLine;
 use crate::head::Head;
 use crate::sensor::Chip;
 use crate::sensor::ads1115::Ads1115Chip;
@@ -47,28 +47,23 @@ impl HardwareSource {
         let schedule =
             Schedule::plan(&settings.sensors, head, settings.rate_hz, settings.quiet).map_err(OpenError::Schedule)?;
         log::info!("{schedule}");
-        let mut known_lines: Vec<(&LineSettings, Option<usize>)> = Vec::new();
+        let mut known_lines: Vec<&LineSettings> = Vec::new();
         let mut lines: Vec<Box<dyn Switch>> = Vec::new();
         let mut chips = Vec::new();
         for (index, plan) in schedule.chips.iter().enumerate() {
             let name = schedule.chip_name(index);
             let sensors: Vec<_> = plan.sensors.iter().map(|s| &settings.sensors[*s]).collect();
-            let power = sensors.iter().find_map(|s| s.power.as_ref()).and_then(|line| {
-                if let Some((_, index)) = known_lines.iter().find(|(known, _)| *known == line) {
-                    return *index;
+            let power = sensors.iter().find_map(|s| s.power.as_ref()).map(|line| {
+                if let Some(index) = known_lines.iter().position(|known| *known == line) {
+                    return index;
                 }
-                let index = match OutputLine::open(line, true) {
-                    Ok(switch) => {
-                        lines.push(Box::new(switch));
-                        Some(lines.len() - 1)
-                    }
-                    Err(e) => {
-                        log::error!("{name} cannot be power-cycled: {e}");
-                        None
-                    }
-                };
-                known_lines.push((line, index));
-                index
+                let mut switch = PlugInLine::new(line);
+                if let Err(e) = switch.set(true) {
+                    log::error!("switching the supply of {name} on: {e}; tried again while the sensors are silent");
+                }
+                lines.push(Box::new(switch));
+                known_lines.push(line);
+                known_lines.len() - 1
             });
             let devices: Vec<&DeviceSettings> = sensors.iter().map(|s| &s.device).collect();
             let chip = chip(&name, &devices).map_err(|why| OpenError::Chip { names: name.clone(), why })?;
