@@ -6,6 +6,7 @@ use crate::dbus::{Control, ServiceInfo};
 use crate::mavlink::switchboard::Switchboard;
 use signal_hook::consts::SIGHUP;
 use signal_hook::low_level::raise;
+use std::mem;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -28,9 +29,12 @@ impl Desk {
         *self.info.lock().unwrap_or_else(PoisonError::into_inner) = info(loaded);
     }
 
-    /// Tells whoever waits how a reload ended.
-    pub fn reloaded(&self, outcome: &Result<(), String>) {
-        for asker in self.waiting.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+    /// Does `reload` and tells its outcome to those who had asked before it began. Who asks meanwhile waits for the
+    /// next one: this one may have read the configuration already.
+    pub fn answer(&self, reload: impl FnOnce() -> Result<(), String>) {
+        let askers = mem::take(&mut *self.waiting.lock().unwrap_or_else(PoisonError::into_inner));
+        let outcome = reload();
+        for asker in askers {
             let _ = asker.try_send(outcome.clone());
         }
     }
@@ -54,7 +58,7 @@ impl Control for Desk {
         let (asker, outcome) = sync_channel(1);
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner).push(asker);
         if let Err(e) = raise(SIGHUP) {
-            self.reloaded(&Err(format!("the daemon could not be told to reload: {e}")));
+            self.answer(|| Err(format!("the daemon could not be told to reload: {e}")));
         }
         outcome
     }
@@ -64,5 +68,32 @@ impl Control for Desk {
 pub fn hang_up() {
     if let Err(e) = raise(SIGHUP) {
         log::error!("the daemon could not be told of a change: {e}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Settings;
+    use signal_hook::flag::register;
+    use std::sync::mpsc::TryRecvError;
+
+    #[test]
+    fn who_asks_during_a_reload_is_told_of_the_next_one() {
+        // Without a handler the hangup would end the tests.
+        register(SIGHUP, Arc::default()).unwrap();
+        let settings = Settings::default();
+        let mavlink = Arc::new(Switchboard::sending(settings.clone()));
+        let loaded = Loaded { settings, text: String::new(), files: Vec::new(), warnings: Vec::new() };
+        let desk = Desk::new(&loaded, mavlink);
+        let (first, mut second) = (desk.reload(), None);
+        desk.answer(|| {
+            second = Some(desk.reload());
+            Ok(())
+        });
+        let second = second.unwrap();
+        assert_eq!((first.try_recv(), second.try_recv()), (Ok(Ok(())), Err(TryRecvError::Empty)));
+        desk.answer(|| Err("line 3".into()));
+        assert_eq!(second.try_recv(), Ok(Err("line 3".into())));
     }
 }

@@ -137,6 +137,10 @@ impl Running {
     /// Takes up the configuration as it is written now, with what was changed by MAVLink; one that is not good changes
     /// nothing.
     pub fn reload(&mut self) {
+        Arc::clone(&self.desk).answer(|| self.read_anew());
+    }
+
+    fn read_anew(&mut self) -> Result<(), String> {
         let changes = self.mavlink.take_changes();
         changes.iter().for_each(|c| log::info!("set by MAVLink: {c}"));
         let before = (!changes.is_empty()).then(|| self.kept.keep(&changes));
@@ -159,7 +163,7 @@ impl Running {
             Ok(()) => log::info!("configuration reloaded"),
             Err(e) => log::error!("the new configuration is refused, the old one stays in force:\n{e}"),
         }
-        self.desk.reloaded(&outcome);
+        outcome
     }
 
     fn take_up(&mut self, loaded: Loaded) -> Result<(), StartError> {
