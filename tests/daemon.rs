@@ -160,6 +160,26 @@ fn a_reload_over_dbus_tells_how_it_went() {
     assert!(second.attitude_rate(1.0).is(15.0..=f64::INFINITY));
 }
 
+/// Neither sampling nor the estimate begins anew for a rate that the sensors cannot keep.
+#[test]
+fn a_rate_that_the_sensors_cannot_keep_leaves_the_estimate_alone() {
+    let sensor = |(i, name): (usize, &str)| {
+        format!("[[sensor]]\nname = \"{name}\"\nkind = \"mlx90614\"\nbus = \"/nonexistent\"\naddress = {}\n", 0x5b + i)
+    };
+    let sensors: String = ["nose", "tail", "left", "right", "up", "down"].into_iter().enumerate().map(sensor).collect();
+    let config = |rate_hz: u32| format!("[daemon]\nrate-hz = {rate_hz}\n[dbus]\nbus = \"none\"\n{sensors}");
+    let folder = Folder::new();
+    let mut daemon = Daemon::start(&folder, &config(20));
+    let begun = "a scan of 6 sensors every";
+    daemon.says(begun);
+    folder.write("irhorizon.toml", config(200));
+    daemon.signal(Signal::HUP);
+    daemon.says("refused");
+    let said = daemon.said();
+    assert!(said.contains("set [daemon] rate-hz to") && daemon.is_running(), "{said}");
+    assert_eq!(said.matches(begun).count(), 1, "{said}");
+}
+
 /// Of a bus that is another one than that in use, and not of that one when it is back.
 #[test]
 fn another_bus_waits_for_a_restart_and_the_one_in_use_does_not() {

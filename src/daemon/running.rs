@@ -173,6 +173,8 @@ impl Running {
             log::warn!("{} has changed: that takes effect when irhorizond is restarted", change.as_str());
         }
         if changed.iter().any(|c| c.begins_anew()) {
+            // While the old loop still goes on.
+            source::check(new, &new.head()).map_err(StartError::Configuration)?;
             // The old loop must let go of buses and lines before the new one can have them.
             self.end_sampling();
             match self.sample(new, Some(&header(&loaded))) {
