@@ -115,10 +115,16 @@ impl Session {
         self.rates.interval_us(id)
     }
 
-    /// Sends message `id` once, at `now`, out of turn.
+    /// Sends message `id` once, at `now`, out of turn; but nothing breaks the silence.
     pub fn request(&mut self, id: u32, now: Time, seen: &Seen, mut send: impl FnMut(&Message)) -> Asked {
-        let dead = self.age_s(now, seen) >= self.dead_after_s();
+        let age_s = self.age_s(now, seen);
+        let dead = age_s >= self.dead_after_s();
         let message = match id {
+            HEARTBEAT_DATA::ID | SYS_STATUS_DATA::ID | STATUSTEXT_DATA::ID | NAMED_VALUE_FLOAT_DATA::ID
+                if age_s >= SILENT_AFTER_S =>
+            {
+                None
+            }
             HEARTBEAT_DATA::ID => Some(self.heartbeat(dead, seen)),
             SYS_STATUS_DATA::ID => Some(messages::sys_status(!dead && messages::healthy(seen.moment.mode))),
             // What is wrong is told by the next step, once more.

@@ -169,6 +169,22 @@ fn dead_sampling_is_critical_after_one_second_and_silent_after_three() {
 }
 
 #[test]
+fn where_there_is_silence_nothing_is_sent_to_who_asks_either() {
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
+    let mut asked = |id, secs| {
+        let mut sent = 0;
+        (session.request(id, at(secs), &frame(1, 0.0), |_| sent += 1), sent > 0)
+    };
+    // HEARTBEAT, SYS_STATUS, NAMED_VALUE_FLOAT; of STATUSTEXT the next step would tell.
+    for id in [0, 1, 251] {
+        assert_eq!([asked(id, 2.9), asked(id, 3.0)], [(Asked::Sent, true), (Asked::NotNow, false)], "{id}");
+    }
+    assert_eq!([asked(253, 2.9), asked(253, 3.0)], [(Asked::Sent, false), (Asked::NotNow, false)]);
+    assert_eq!(asked(30, 3.0), (Asked::NotNow, false));
+    assert_eq!(asked(33, 3.0), (Asked::Unknown, false));
+}
+
+#[test]
 fn slow_frames_are_not_dead() {
     for (hz, dead_s) in [(1.0, 2.5), (2.0, 1.25), (50.0, 1.0)] {
         let mut session = Session::new(at(0.0), 0, &Streams::default()).with_frame_rate(hz);
