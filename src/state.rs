@@ -39,6 +39,8 @@ pub struct Moment {
     pub valid_at: Time,
     /// Roll and pitch, or nothing while they are withheld.
     pub attitude: Option<Attitude>,
+    /// Whether that was measured, and does not stand in for one that is withheld.
+    pub measured: bool,
     /// Their standard deviations, rad.
     pub sigma: Attitude,
     /// Body rates about x (nose), y (right), z (down), rad/s, where they are known.
@@ -78,8 +80,9 @@ pub struct Snapshot {
 impl Snapshot {
     /// The newest frame.
     pub fn moment(&self) -> Moment {
-        let Estimate { time, valid_at, attitude, sigma, rates, mode, .. } = self.estimate;
-        Moment { sequence: self.sequence, written: self.written, time, valid_at, attitude, sigma, rates, mode }
+        let (sequence, written) = (self.sequence, self.written);
+        let Estimate { time, valid_at, attitude, measured, sigma, rates, mode, .. } = self.estimate;
+        Moment { sequence, written, time, valid_at, attitude, measured, sigma, rates, mode }
     }
 }
 

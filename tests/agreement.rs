@@ -99,7 +99,8 @@ fn agree(on_fault: OnFault) -> Vec<(Mode, bool)> {
         let (state, dark_allowed, lit_allowed) = match status.mode.as_str() {
             "starting" => (2, false, true),
             "nominal" => (4, true, false),
-            "degraded" => (4, true, true),
+            // What is held is not measured.
+            "degraded" => (if estimate.measured { 4 } else { 5 }, true, true),
             "faulted" => (5, false, true),
             other => panic!("{other}"),
         };

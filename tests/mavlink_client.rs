@@ -116,6 +116,7 @@ fn pymavlink_hears_attitude_and_heartbeat() {
         estimate.sigma = Attitude::from_degrees(1.0, 2.5);
         estimate.rates = Some([20.0, -3.5, 7.25].map(f64::to_radians));
         estimate.contrast_k = Some(21.25);
+        estimate.measured = true;
         estimate.mode = Mode::Nominal;
     });
     let ended = clock::now();
@@ -177,6 +178,7 @@ fn pymavlink_as_a_peer_of_udpin_hears_faults_and_no_attitude_meanwhile() {
         // The client greets once a second: well after that, a fault for one second.
         let gone = (100..150).contains(&i);
         estimate.attitude = (!gone).then(|| Attitude::from_degrees(45.0, 0.0));
+        estimate.measured = !gone;
         estimate.mode = if gone { Mode::Faulted } else { Mode::Nominal };
         estimate.faults.clear();
         if gone {

@@ -81,6 +81,7 @@ fn set(snapshot: &mut Snapshot, at: Time) {
     snapshot.written = clock::now();
     (snapshot.estimate.time, snapshot.estimate.valid_at) = (at, at);
     snapshot.estimate.attitude = Some(Attitude::from_degrees(10.0, -5.0));
+    snapshot.estimate.measured = true;
     snapshot.estimate.mode = Mode::Nominal;
 }
 

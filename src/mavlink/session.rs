@@ -12,6 +12,7 @@ pub use rates::IntervalError;
 pub use seen::Seen;
 
 use super::messages::{self, Message};
+use crate::attitude::Mode;
 use crate::config::settings::Streams;
 use crate::fault::{Evidence, FaultKind, FaultName};
 use crate::time::Time;
@@ -126,7 +127,7 @@ impl Session {
                 None
             }
             HEARTBEAT_DATA::ID => Some(self.heartbeat(dead, seen)),
-            SYS_STATUS_DATA::ID => Some(messages::sys_status(!dead && messages::healthy(seen.moment.mode))),
+            SYS_STATUS_DATA::ID => Some(messages::sys_status(!dead && messages::healthy(&seen.moment))),
             // What is wrong is told by the next step, once more.
             STATUSTEXT_DATA::ID => {
                 self.told.clear();
@@ -181,7 +182,7 @@ impl Session {
             self.told.clear();
             self.told_withheld = false;
         }
-        let healthy = !dead && messages::healthy(seen.moment.mode);
+        let healthy = !dead && messages::healthy(&seen.moment);
         let changed = self.rates.sys_status.rate() != Rate::Never && self.healthy != Some(healthy);
         if self.rates.sys_status.due(now, fresh, frame) || changed {
             self.healthy = Some(healthy);
@@ -216,7 +217,7 @@ impl Session {
         messages::heartbeat(match (dead, seen.moment.sequence) {
             (true, _) => MavState::MAV_STATE_CRITICAL,
             (false, 0) => MavState::MAV_STATE_BOOT,
-            (false, _) => messages::state(seen.moment.mode),
+            (false, _) => messages::state(&seen.moment),
         })
     }
 
@@ -280,7 +281,7 @@ impl Session {
             }
             keep
         });
-        let withheld = !messages::healthy(seen.moment.mode) || dead.is_some();
+        let withheld = matches!(seen.moment.mode, Mode::Starting | Mode::Faulted) || dead.is_some();
         if withheld && !self.told_withheld && active().all(|(k, _)| told.contains(&k)) {
             told.clear();
         }

@@ -2,6 +2,7 @@
 
 use super::Message;
 use crate::attitude::Mode;
+use crate::state::Moment;
 use ::mavlink::dialects::common::{
     HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavSysStatusSensor, MavType, SYS_STATUS_DATA,
 };
@@ -34,18 +35,19 @@ pub fn sys_status(healthy: bool) -> Message {
     })
 }
 
-/// Whether the attitude may be trusted in a mode.
-pub const fn healthy(mode: Mode) -> bool {
-    matches!(mode, Mode::Nominal | Mode::Degraded)
+/// Whether the attitude may be trusted.
+pub const fn healthy(moment: &Moment) -> bool {
+    matches!(state(moment), MavState::MAV_STATE_ACTIVE)
 }
 
-/// The MAV_STATE of a mode. "Calibrating and not flight-ready" while starting; active while
+/// The MAV_STATE of a frame. "Calibrating and not flight-ready" while starting; active while
 /// attitude goes out, degraded or not (STATUSTEXT tells the difference); critical while it is
-/// withheld or not measured. MAV_STATE_EMERGENCY speaks of an airframe going down and is never ours to say.
-pub const fn state(mode: Mode) -> MavState {
-    match mode {
+/// withheld, or held or level and not measured: who steers by it must not take that for a reading.
+/// MAV_STATE_EMERGENCY speaks of an airframe going down and is never ours to say.
+pub const fn state(moment: &Moment) -> MavState {
+    match moment.mode {
         Mode::Starting => MavState::MAV_STATE_CALIBRATING,
-        Mode::Nominal | Mode::Degraded => MavState::MAV_STATE_ACTIVE,
-        Mode::Faulted => MavState::MAV_STATE_CRITICAL,
+        Mode::Nominal | Mode::Degraded if moment.measured => MavState::MAV_STATE_ACTIVE,
+        _ => MavState::MAV_STATE_CRITICAL,
     }
 }

@@ -47,6 +47,7 @@ impl Bench {
             time: at(secs),
             valid_at: at(secs),
             attitude: Some(Attitude::from_degrees(4.0, -2.0)),
+            measured: true,
             sigma: Attitude::from_degrees(1.0, 1.0),
             mode: Mode::Nominal,
             ..Moment::default()

@@ -1,5 +1,5 @@
 use super::*;
-use crate::attitude::{Attitude, Mode};
+use crate::attitude::Attitude;
 use crate::fault::ActiveFault;
 use crate::frame::Missing;
 use crate::head::Head;
@@ -19,6 +19,7 @@ fn frame(sequence: u64, secs: f64) -> Seen {
         time: at(secs - 0.002),
         valid_at: at(secs - 0.002),
         attitude: Some(Attitude::from_degrees(10.0, 5.0)),
+        measured: true,
         sigma: Attitude::from_degrees(1.0, 1.0),
         mode: Mode::Nominal,
         ..Moment::default()
@@ -239,13 +240,24 @@ fn a_fault_whose_attitude_is_held_is_told_again_when_that_is_lost() {
 #[test]
 fn what_is_shown_in_place_of_an_attitude_goes_out_with_a_critical_heartbeat_and_no_quality() {
     let mut session = Session::new(at(0.0), 0, &Streams::default());
-    let seen = but(frame(1, 0.0), &[lost(0)], |m| m.mode = Mode::Faulted);
+    let seen = but(frame(1, 0.0), &[lost(0)], |m| (m.measured, m.mode) = (false, Mode::Faulted));
     let sent = step(&mut session, 0.0, &seen);
     assert_eq!((attitudes(&sent), states(&sent)), (1, vec![MavState::MAV_STATE_CRITICAL]));
     assert_eq!((values(&sent, "ir_qual"), texts(&sent)[0].0), (vec![0.0], MavSeverity::MAV_SEVERITY_CRITICAL));
     // Not measured anew, and of a later moment.
     let later = but(seen, &[lost(0)], |m| (m.sequence, m.valid_at) = (2, at(0.02)));
     assert_eq!(attitudes(&step(&mut session, 0.02, &later)), 1);
+}
+
+#[test]
+fn an_attitude_that_is_held_is_critical_and_not_healthy() {
+    let mut session = Session::new(at(0.0), 0, &Streams::default()).with_sys_status(true);
+    let held = but(frame(1, 0.0), &[lost(0)], |m| (m.measured, m.mode) = (false, Mode::Degraded));
+    let sent = step(&mut session, 0.0, &held);
+    assert_eq!((attitudes(&sent), states(&sent)), (1, vec![MavState::MAV_STATE_CRITICAL]));
+    assert!(sent.contains(&messages::sys_status(false)), "{sent:?}");
+    // Not a failure yet, but it will be one.
+    assert_eq!(texts(&sent)[0].0, MavSeverity::MAV_SEVERITY_ERROR);
 }
 
 #[test]
