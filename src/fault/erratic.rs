@@ -12,6 +12,10 @@ const SLEW_K_S: f64 = 800.0;
 const OVER_S: f64 = 1.0;
 const ERRATIC: f64 = 2.0;
 const CALM: f64 = 1.0;
+/// A sensor that changes at more than this share of the last so many readings does not say what it cannot have seen
+/// twice and mean it.
+const RESTLESS: f64 = 0.9;
+const LEARNT: f64 = 50.0;
 
 /// One sensor.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,6 +24,9 @@ struct Watch {
     read: Option<Time>,
     last: Option<(Time, f64)>,
     jumps: f64,
+    /// What was not believed last, K, and the share of the readings that differ from those before.
+    doubted_k: Option<f64>,
+    changes: f64,
     erratic: bool,
 }
 
@@ -36,14 +43,23 @@ impl Watch {
         }
         let since_s = self.read.replace(time).map_or(f64::INFINITY, |read| time.since(read));
         self.jumps *= (-since_s / OVER_S).exp();
+        // A wire that is off says the same for ever.
+        let again = self.doubted_k == Some(reading_k) && self.changes > RESTLESS;
         let jumps =
             self.last.is_some_and(|(last, last_k)| (reading_k - last_k).abs() > JUMP_K + SLEW_K_S * time.since(last));
+        let jumps = jumps && !again;
         self.jumps += f64::from(jumps);
         self.erratic = self.jumps > if self.erratic { CALM } else { ERRATIC };
-        if !jumps {
-            self.last = Some((time, reading_k));
+        if jumps || again {
+            self.doubted_k = Some(reading_k);
+            return false;
         }
-        !(jumps || self.erratic)
+        let last = self.last.replace((time, reading_k)).filter(|_| !self.erratic);
+        if let Some((_, last_k)) = last {
+            self.changes += (f64::from(last_k != reading_k) - self.changes) / LEARNT;
+        }
+        self.doubted_k = None;
+        !self.erratic
     }
 }
 
@@ -60,8 +76,9 @@ impl ErraticSensors {
         Self { watches: vec![Watch::default(); head.sensors.len()], head: head.clone() }
     }
 
-    /// Makes [`Missing::Impossible`] of each reading that is no temperature or jumps by more than 10 K and 800 K a second, and, after more than two
-    /// of these in a second, of all that the sensor says until it has been calm for one to some seconds.
+    /// Makes [`Missing::Impossible`] of each reading that is no temperature, or jumps by more than 10 K and 800 K a second, and,
+    /// after more than two of these in a second, of all that the sensor says until it has been calm for one to some seconds.
+    /// A sensor that never says the same twice is not believed either while it repeats such a reading.
     pub fn take_out(&mut self, frame: &mut Frame) {
         for (i, watch) in self.watches.iter_mut().enumerate() {
             // What is read and is no temperature means nothing.
@@ -78,6 +95,7 @@ impl ErraticSensors {
 mod tests {
     use super::*;
     use crate::frame::{Sample, Value};
+    use crate::simulation::noise::Noise;
 
     /// Which readings of one sensor, K, 50 a second, are believed.
     fn believed(readings_k: &[f64]) -> Vec<bool> {
@@ -140,6 +158,18 @@ mod tests {
         readings.extend([150.0; 250]);
         let believed = believed(&readings);
         assert!(!believed[50] && believed[170..].iter().all(|b| *b));
+    }
+
+    #[test]
+    fn what_no_scene_does_is_not_believed_the_longer_it_stays_the_same() {
+        // A pair's noise, then a wire that is off for ten seconds.
+        let mut noise = Noise::new(5);
+        let mut readings: Vec<f64> = (0..1500).map(|_| 3.0 + 0.05 * noise.normal()).collect();
+        readings[500..1000].fill(-49.5);
+        let believed = believed(&readings);
+        assert!(believed[..500].iter().all(|b| *b));
+        assert!(believed[500..1000].iter().all(|b| !b));
+        assert!(believed[1000..].iter().all(|b| *b));
     }
 
     #[test]
