@@ -37,6 +37,43 @@ impl Jumps {
     }
 }
 
+/// A sensor whose noise is so many of its steps never stays the same.
+const NOISY: f64 = 1.5;
+/// Over this time the noise of one sensor is averaged, and it is known after so much of it, s.
+const NOISE_S: (f64, f64) = (10.0, 5.0);
+
+/// The noise of one sensor, K², and its smallest step, K.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Noise {
+    jumps: Jumps,
+    variance: f64,
+    learnt_s: f64,
+    step: Option<f64>,
+}
+
+impl Noise {
+    /// Takes in a reading, K, and the one before it.
+    pub fn update(&mut self, reading: f64, time: Time, before: Option<f64>) {
+        if let Some(step) = before.map(|b| (reading - b).abs()).filter(|s| *s > 0.0) {
+            self.step = Some(self.step.map_or(step, |s| s.min(step)));
+        }
+        if let Some((dt_s, seen)) = self.jumps.update(reading, time, self.variance) {
+            self.learnt_s = (self.learnt_s + dt_s).min(NOISE_S.0);
+            self.variance += dt_s / self.learnt_s * (seen - self.variance);
+        }
+    }
+
+    /// Whether it is so large that readings never stay the same.
+    pub fn moves_all(&self) -> bool {
+        self.learnt_s >= NOISE_S.1 && self.step.is_some_and(|step| self.variance.sqrt() >= NOISY * step)
+    }
+
+    /// Whether it is more than `k` kelvin rms.
+    pub fn exceeds(&self, k: f64) -> bool {
+        self.variance > k * k
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

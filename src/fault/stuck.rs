@@ -2,6 +2,7 @@
 
 use super::debounce::Debounce;
 use super::{ActiveFault, Evidence, FaultKind};
+use crate::estimator::noise::Noise;
 use crate::estimator::{Hearing, Standing};
 use crate::frame::Frame;
 use crate::head::Head;
@@ -14,6 +15,10 @@ const OTHERS: usize = 2;
 const BACK_S: f64 = 0.5;
 /// A run of equal readings is one too many where it is as improbable as e to the minus this.
 const IMPROBABLE: f64 = 20.0;
+/// And so much more improbable that one other is enough.
+const SURE: f64 = 100.0;
+/// Noise of so much, K rms, is the sensor's own: what less the readings jump by may be the aircraft's.
+const OWN_K: f64 = 0.03;
 /// As improbable it must be where the method says that the reading should have changed.
 const DOUBTFUL: f64 = 3.0;
 /// How many readings the share of honest repetitions is learnt from, and its bounds.
@@ -32,11 +37,13 @@ struct Run {
     honest: f64,
     /// How improbable this run is.
     against: f64,
+    noise: Noise,
     stuck: Debounce,
 }
 
 /// Sees `sensor-stuck`. A quiet sensor of coarse steps repeats itself honestly, and a head at rest does: the others
-/// must have moved, and the run must be longer than those that this sensor is known for.
+/// must have moved, and the run must be longer than those that this sensor is known for. One whose noise never lets it
+/// say the same twice needs no others. One that is stuck remains so until it says something else.
 #[derive(Clone, Debug)]
 pub struct StuckSensors {
     head: Head,
@@ -56,6 +63,7 @@ impl StuckSensors {
             others: vec![None; n],
             honest: HONEST.1,
             against: 0.0,
+            noise: Noise::default(),
             stuck: Debounce::new(0.0, BACK_S),
         };
         Self { head: head.clone(), runs: vec![run; n], repeating: vec![false; n], after_s }
@@ -81,7 +89,7 @@ impl StuckSensors {
         }
         for i in 0..self.runs.len() {
             let known = sensors.get(i).is_some_and(|h| h.standing == Standing::Stuck);
-            let stuck = self.repeating[i] && self.convicts(i, known);
+            let stuck = self.repeating[i] && (self.runs[i].stuck.is_active() || self.convicts(i, known));
             self.runs[i].stuck.update(stuck, frame.time);
         }
     }
@@ -97,7 +105,10 @@ impl StuckSensors {
             !repeating[j] && seen.is_some_and(|(least, most)| most - least > MOVED_K)
         };
         let others = || run.others.iter().enumerate().filter(|(j, s)| moved((*j, s))).count();
-        let alone = run.against > IMPROBABLE && count <= OTHERS && !apart() && others() >= OTHERS;
+        let needed = if run.against > SURE { 1 } else { OTHERS };
+        let witnessed = || !apart() && others() >= needed;
+        let few = count <= OTHERS && count < repeating.len();
+        let alone = few && run.against > IMPROBABLE && (run.is_noisy() || witnessed());
         alone || (known && run.against > DOUBTFUL)
     }
 
@@ -119,6 +130,7 @@ impl StuckSensors {
 impl Run {
     fn extend(&mut self, reading: Option<(f64, Time)>, now: Time) {
         let Some((reading, time)) = reading else { return };
+        self.noise.update(reading, time, self.reading_k);
         if self.reading_k == Some(reading) {
             if time > self.last {
                 self.against -= self.honest.ln();
@@ -145,6 +157,11 @@ impl Run {
         }
     }
 
+    /// Whether its noise lets no reading stay as it is.
+    fn is_noisy(&self) -> bool {
+        self.noise.moves_all() && self.noise.exceeds(OWN_K)
+    }
+
     fn learn(&mut self, repeated: f64) {
         self.honest = (self.honest + (repeated - self.honest) / LEARNT).clamp(HONEST.0, HONEST.1);
     }
@@ -154,6 +171,8 @@ impl Run {
 mod tests {
     use super::super::kit::{frame, told, value};
     use super::*;
+    use crate::simulation::noise::Noise;
+    use std::cell::RefCell;
 
     const STEP_S: f64 = 0.02;
 
@@ -243,6 +262,50 @@ mod tests {
         let mut flight = Flight::new();
         flight.fly(30.0, &[], turning);
         assert_eq!(flight.fly(30.0, &[], still), 0);
+    }
+
+    #[test]
+    fn one_whose_noise_ends_is_stuck_though_nothing_has_moved() {
+        // Noise of 0.05 K in steps of 0.004 K, as of a pair, or of 0.01 K in steps of 0.02 K, as of a quiet sensor.
+        let still = |noise_k: f64, step_k: f64| {
+            let noise = RefCell::new(Noise::new(11));
+            let mut flight = Flight::new();
+            let show = |ends: bool| {
+                let noise = &noise;
+                move |i: usize, time_s: f64| {
+                    let k = 0.5 * (0.2 * time_s).sin() + noise_k * noise.borrow_mut().normal();
+                    if ends && i == 4 { 0.0 } else { (k / step_k).round() * step_k }
+                }
+            };
+            let wrongly = flight.fly(120.0, &[], show(false));
+            flight.fly(1.1, &[], show(true));
+            (wrongly, flight.stuck())
+        };
+        assert_eq!(still(0.05, 0.004), (0, vec![4]));
+        assert_eq!(still(0.01, 0.02), (0, vec![]));
+    }
+
+    #[test]
+    fn of_three_one_other_that_moves_is_enough_where_the_run_is_long() {
+        let mut flight = Flight::new();
+        let shows = |i: usize, time_s: f64| if i < 2 { turning(i, time_s) } else { 0.04 * turning(i, time_s) };
+        flight.fly(30.0, &[], shows);
+        flight.fly(2.0, &[], |i, time_s| if i == 1 { 3.0 } else { shows(i, time_s) });
+        assert_eq!(flight.stuck(), [1]);
+    }
+
+    #[test]
+    fn one_that_is_stuck_remains_so_though_the_method_asks_it_no_more() {
+        let mut sensors = [Hearing::default(); 8];
+        sensors[1].standing = Standing::Stuck;
+        let mut flight = Flight::new();
+        flight.fly(30.0, &[], turning);
+        flight.fly(1.1, &sensors, but(&[0, 1, 2, 3]));
+        assert_eq!(flight.stuck(), [1]);
+        flight.fly(20.0, &[], but(&[0, 1, 2, 3]));
+        assert_eq!(flight.stuck(), [1]);
+        flight.fly(1.0, &[], turning);
+        assert_eq!(flight.stuck(), [0; 0]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A sensor that says the same whatever the attitude does.
 
-use crate::estimator::noise::Jumps;
+use crate::estimator::noise::Noise;
 use crate::time::Time;
 
 /// The same reading for so long, s,
@@ -11,9 +11,6 @@ const MOVED_K: f64 = 1.0;
 /// readings do not stay the same.
 const SURE_S: f64 = 0.25;
 const LONGEST: f64 = 3.0;
-const NOISY: f64 = 1.5;
-/// Over this time noise is averaged, and it is known after so much of it, s.
-const NOISE_S: (f64, f64) = (10.0, 5.0);
 
 /// So many sensors that repeat themselves at once are at rest, not stuck.
 const AT_REST: usize = 3;
@@ -30,32 +27,6 @@ pub struct Stuck {
     /// The longest time for which it has said the same honestly, s.
     longest_s: f64,
     noise: Noise,
-}
-
-/// The noise of one sensor, K², and its smallest step, K.
-#[derive(Clone, Copy, Debug, Default)]
-struct Noise {
-    jumps: Jumps,
-    variance: f64,
-    learnt_s: f64,
-    step: Option<f64>,
-}
-
-impl Noise {
-    fn update(&mut self, reading: f64, time: Time, before: Option<f64>) {
-        if let Some(step) = before.map(|b| (reading - b).abs()).filter(|s| *s > 0.0) {
-            self.step = Some(self.step.map_or(step, |s| s.min(step)));
-        }
-        if let Some((dt_s, seen)) = self.jumps.update(reading, time, self.variance) {
-            self.learnt_s = (self.learnt_s + dt_s).min(NOISE_S.0);
-            self.variance += dt_s / self.learnt_s * (seen - self.variance);
-        }
-    }
-
-    /// Whether it is so large that readings never stay the same.
-    fn moves_all(&self) -> bool {
-        self.learnt_s >= NOISE_S.1 && self.step.is_some_and(|step| self.variance.sqrt() >= NOISY * step)
-    }
 }
 
 impl Stuck {
