@@ -68,9 +68,9 @@ impl Noise {
         self.learnt_s >= NOISE_S.1 && self.step.is_some_and(|step| self.variance.sqrt() >= NOISY * step)
     }
 
-    /// Whether it is more than `k` kelvin rms.
-    pub fn exceeds(&self, k: f64) -> bool {
-        self.variance > k * k
+    /// How large it is, K rms.
+    pub fn rms_k(&self) -> f64 {
+        self.variance.sqrt()
     }
 }
 

@@ -108,8 +108,17 @@ impl StuckSensors {
         let needed = if run.against > SURE { 1 } else { OTHERS };
         let witnessed = || !apart() && others() >= needed;
         let few = count <= OTHERS && count < repeating.len();
-        let alone = few && run.against > IMPROBABLE && (run.is_noisy() || witnessed());
+        let alone = few && run.against > IMPROBABLE && (run.is_noisy() && self.others_are_noisy(i) || witnessed());
         alone || (known && run.against > DOUBTFUL)
+    }
+
+    /// Whether the others than sensor `i` go on by as much as their noise: what all lose at once was no sensor's own.
+    fn others_are_noisy(&self, i: usize) -> bool {
+        let spans = self.runs[i].others.iter().zip(&self.runs).zip(&self.repeating);
+        let mut noisy = spans
+            .filter(|(_, repeating)| !**repeating)
+            .filter_map(|((seen, other), _)| seen.map(|(least, most)| most - least > other.noise.rms_k()));
+        noisy.next().is_some_and(|first| first && noisy.all(|other| other))
     }
 
     /// Which sensors are stuck.
@@ -159,7 +168,7 @@ impl Run {
 
     /// Whether its noise lets no reading stay as it is.
     fn is_noisy(&self) -> bool {
-        self.noise.moves_all() && self.noise.exceeds(OWN_K)
+        self.noise.moves_all() && self.noise.rms_k() > OWN_K
     }
 
     fn learn(&mut self, repeated: f64) {
@@ -283,6 +292,15 @@ mod tests {
         };
         assert_eq!(still(0.05, 0.004), (0, vec![4]));
         assert_eq!(still(0.01, 0.02), (0, vec![]));
+    }
+
+    #[test]
+    fn noise_that_ends_for_all_at_once_was_the_aircraft_s() {
+        let noise = RefCell::new(Noise::new(11));
+        let mut flight = Flight::new();
+        flight.fly(60.0, &[], |_, _| (0.05 * noise.borrow_mut().normal() / 0.004).round() * 0.004);
+        let calm = |i: usize, time_s: f64| if i != 4 && (time_s * 25.0).fract() < 0.5 { 0.004 } else { 0.0 };
+        assert_eq!(flight.fly(30.0, &[], calm), 0);
     }
 
     #[test]
