@@ -6,9 +6,16 @@ mod flights;
 
 use field::field;
 use flights::{Flown, hear, said, score};
+use irhorizon::attitude::Estimate;
+use irhorizon::config::Settings;
 use irhorizon::ctl::score::statistics::Score;
 use irhorizon::estimator::{Estimator, ProfileEstimator};
+use irhorizon::frame::{Aiding, Frame, Value};
+use irhorizon::head::SensorKind;
+use irhorizon::horizon::Horizon;
 use irhorizon::simulation::Scenario;
+use irhorizon::source::FrameSource;
+use irhorizon::time::Time;
 
 /// Root mean squares of roll and pitch, 99th percentile of the larger error, 99th percentile of the
 /// underestimation of rolls beyond 20°; degrees, none of them to be exceeded.
@@ -75,5 +82,33 @@ fn field_with_rates_and_gps() {
         ("into-cloud", [0.12, 0.12, 0.45, 0.3]),
     ] {
         holds(name, &flown(name, true, |s| field(&s.head(), 0.1)), limits);
+    }
+}
+
+/// Off its wire for ten seconds, at ground, at no difference or at the rail: what is still given is not wrong by 10° and 3σ.
+#[test]
+fn a_pair_that_is_off_its_wire_is_no_wrong_roll_given_with_confidence() {
+    let scenario = pairs("clear-dry");
+    let head = scenario.head();
+    let SensorKind::Pair { neutral_v, kelvin_per_v } = head.sensors[1].kind else { panic!("no pair") };
+    for off_k in [-49.5, 0.0, 49.5] {
+        let (mut source, mut horizon) = (scenario.source(3), Horizon::new(&Settings::default(), head.clone()));
+        let (mut frame, mut estimate) = (Frame::new(3), Estimate::default());
+        let (mut wrong, mut named) = (0, 0);
+        for i in 0..1000 {
+            source.scan(Time::from_secs_f64(100.0 + 0.02 * f64::from(i)), &mut frame);
+            frame.aiding = Aiding::default();
+            let off = i >= 500;
+            if off && let Ok(sample) = &mut frame.readings[1] {
+                sample.value = Value::Volts(neutral_v + off_k / kelvin_per_v);
+            }
+            horizon.update(&frame, &[], &mut estimate);
+            named += i32::from(off && !estimate.faults.is_empty());
+            if let Some(attitude) = estimate.attitude.filter(|_| off) {
+                let error = (attitude.roll - source.truth_at(estimate.valid_at).roll).abs();
+                wrong += i32::from(error > 10_f64.to_radians().max(3.0 * estimate.sigma.roll));
+            }
+        }
+        assert!(wrong == 0 && named > 430, "{off_k} K: {wrong} wrong, {named} with a fault");
     }
 }
