@@ -75,10 +75,13 @@ fn chip(sensor: &Read<'_>, first: &Read<'_>, findings: &Findings<'_>) {
         {
             "data-ready"
         }
-        _ => match (&sensor.settings.power, &first.settings.power) {
-            (Some(a), Some(b)) if a != b => "power",
-            _ => return,
-        },
+        _ if sensor.settings.power.is_some()
+            && first.settings.power.is_some()
+            && sensor.settings.power != first.settings.power =>
+        {
+            "power"
+        }
+        _ => return,
     };
     let place = sensor.place(key);
     let line = findings.line(first.place(key), place);

@@ -87,7 +87,7 @@ impl Alignment {
     /// rates, where there are any. What waited for them is then no older than what did not.
     pub fn shown(&mut self, estimate: &Estimate, horizon: &Horizon, scan: &Frame) -> &Estimate {
         let before = (self.shown.attitude, self.shown.sigma, self.shown.rates, self.shown.valid_at);
-        let before_measured = self.shown.measured;
+        let measured = self.shown.measured;
         self.shown.clone_from(estimate);
         let (Some(attitude), now) = (estimate.attitude, scan.sample_time().unwrap_or(scan.time)) else {
             return &self.shown;
@@ -109,7 +109,7 @@ impl Alignment {
             self.shown.sigma = sigma;
             self.shown.rates = self.aligner.rates(now, correction);
             self.shown.valid_at = now;
-        } else if before_measured && before.0.is_some() && before.3 > estimate.valid_at && before.3 <= now {
+        } else if measured && before.3 > estimate.valid_at && before.3 <= now {
             // What was carried farther is newer than this.
             (self.shown.attitude, self.shown.sigma, self.shown.rates, self.shown.valid_at) = before;
         }

@@ -9,6 +9,10 @@ pub const PAIR_NOISE_K: f64 = 0.113;
 const APART_S: f64 = 0.045;
 /// A jump so many times the noise known is no noise.
 const LARGEST: f64 = 4.0;
+/// A sensor whose noise is so many of its steps never stays the same.
+const NOISY: f64 = 1.5;
+/// Over this time the noise of one sensor is averaged, and it is known after so much of it, s.
+const NOISE_S: (f64, f64) = (10.0, 5.0);
 
 /// One sensor's last two readings, K, with the time of the last: noise shows in second differences, as what changes
 /// evenly leaves none.
@@ -36,11 +40,6 @@ impl Jumps {
         Some((since_s, seen.min(LARGEST * LARGEST * known_k2.max(1e-6))))
     }
 }
-
-/// A sensor whose noise is so many of its steps never stays the same.
-const NOISY: f64 = 1.5;
-/// Over this time the noise of one sensor is averaged, and it is known after so much of it, s.
-const NOISE_S: (f64, f64) = (10.0, 5.0);
 
 /// The noise of one sensor, K², and its smallest step, K.
 #[derive(Clone, Copy, Debug, Default)]

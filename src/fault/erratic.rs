@@ -45,9 +45,8 @@ impl Watch {
         self.jumps *= (-since_s / OVER_S).exp();
         // A wire that is off says the same for ever.
         let again = self.doubted_k == Some(reading_k) && self.changes > RESTLESS;
-        let jumps =
-            self.last.is_some_and(|(last, last_k)| (reading_k - last_k).abs() > JUMP_K + SLEW_K_S * time.since(last));
-        let jumps = jumps && !again;
+        let far = |(last, last_k): (Time, f64)| (reading_k - last_k).abs() > JUMP_K + SLEW_K_S * time.since(last);
+        let jumps = !again && self.last.is_some_and(far);
         self.jumps += f64::from(jumps);
         self.erratic = self.jumps > if self.erratic { CALM } else { ERRATIC };
         if jumps || again {

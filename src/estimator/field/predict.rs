@@ -178,10 +178,12 @@ fn follow(state: &mut State, model: &Model, t: &Tuning, dt_s: f64, rate: Vector,
         let share = (s.value - s.by_ground * scene.ground_c) / SPAN_K;
         let off = state.x[error] + share * state.x[scale];
         let input = s.value + s.scene * state.x[own] + off;
-        let lag = if lag_s > 1e-4 && state.x[LAG] >= SOONEST {
+        let lag = if state.x[LAG] < SOONEST {
+            -gain * LATE_S * dot(s.by_turn, rate)
+        } else if lag_s > 1e-4 {
             keep * dt_s / lag_s * (state.x[SEEN + i] - input)
         } else {
-            -gain * LATE_S * dot(s.by_turn, rate)
+            0.0
         };
         let ([x, y, z], [north, west]) = (s.by_turn, s.by_lean);
         *slope = [
