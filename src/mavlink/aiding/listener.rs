@@ -25,7 +25,7 @@ const SLOW_OLD_S: f64 = 2.5;
 const STRAY_S: f64 = 60.0;
 /// While positions come this often, what says less of the same is not heeded, s.
 const POSITION_S: f64 = 1.0;
-/// While no rates come for so long, the clock goes by the stamps of positions, s.
+/// While no rates with such stamps come for so long, a clock goes by those of positions, s.
 const DRIVEN_S: f64 = 5.0;
 /// Faster than anybody walks, m/s; so long after that it may still fly, s.
 const WALK_M_S: f64 = 3.0;
@@ -64,8 +64,8 @@ pub struct Listener {
     air: Meter,
     /// The newest stamps of rates and of fixes: what comes twice counts once.
     newest: [Option<Time>; 2],
-    /// When rates that have a stamp since its start came last.
-    driven: Option<Time>,
+    /// When rates came last that have a stamp since its start, or since 1970.
+    driven: [Option<Time>; 2],
     /// Whether the GPS has a fix, and when it said so.
     fix: Option<(bool, Time)>,
     positioned: Option<Time>,
@@ -106,7 +106,7 @@ impl Listener {
             gps: Meter::default(),
             air: Meter::default(),
             newest: [None; 2],
-            driven: None,
+            driven: [None; 2],
             fix: None,
             positioned: None,
             yaw: None,
@@ -218,15 +218,8 @@ impl Listener {
 
     fn listen(&mut self, now: Time, heard: &Heard) {
         let Some((stamp, words)) = decode(heard, self.identity.is_ardupilot()) else { return };
-        let drives = match words {
-            Words::Attitude(..) | Words::Rates(..) => {
-                self.driven = Some(now);
-                true
-            }
-            // A position has the stamp of its fix, which may have been some time ago.
-            _ => self.driven.is_none_or(|at| now.since(at) > DRIVEN_S),
-        };
-        let Some(time) = self.moment(now, stamp, drives) else { return };
+        let is_rates = matches!(words, Words::Attitude(..) | Words::Rates(..));
+        let Some(time) = self.moment(now, stamp, is_rates) else { return };
         // What would be so old was stamped in another unit (iNav: µs).
         let stray = matches!(words, Words::Position(_)) && now.since(time) > STRAY_S;
         let time = if stray { self.moment(now, Stamp::None, false).unwrap_or(now) } else { time };
@@ -274,7 +267,7 @@ impl Listener {
     }
 
     /// When that was, on our clock.
-    fn moment(&mut self, now: Time, stamp: Stamp, drives: bool) -> Option<Time> {
+    fn moment(&mut self, now: Time, stamp: Stamp, is_rates: bool) -> Option<Time> {
         let sent = match stamp {
             Stamp::Millis(ms) => self.boot.of_millis(ms),
             Stamp::Micros(usec) | Stamp::Epoch(usec) => i64::try_from(usec).ok()?.checked_mul(1000)?,
@@ -283,7 +276,15 @@ impl Listener {
                 return Some(Time::from_secs_f64(now.as_secs_f64() - way_s));
             }
         };
-        let clock = if matches!(stamp, Stamp::Epoch(_)) { &mut self.epoch } else { &mut self.boot };
+        let (clock, driven) = match stamp {
+            Stamp::Epoch(_) => (&mut self.epoch, &mut self.driven[1]),
+            _ => (&mut self.boot, &mut self.driven[0]),
+        };
+        if is_rates {
+            *driven = Some(now);
+        }
+        // A position has the stamp of its fix, which may have been some time ago.
+        let drives = driven.is_none_or(|at| is_rates || now.since(at) > DRIVEN_S);
         let began = drives && clock.arrived(now, sent);
         let moment = clock.ours(now, sent);
         if began {
@@ -339,7 +340,10 @@ impl Listener {
 mod tests {
     use super::*;
     use crate::config::Settings;
-    use ::mavlink::dialects::common::{GLOBAL_POSITION_INT_DATA, HEARTBEAT_DATA, MavAutopilot, MavType, VFR_HUD_DATA};
+    use ::mavlink::dialects::common::{
+        ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, GPS_RAW_INT_DATA, GpsFixType, HEARTBEAT_DATA, MavAutopilot, MavType,
+        VFR_HUD_DATA,
+    };
     use ::mavlink::{MavlinkVersion, MessageData};
 
     fn hear<D: MessageData>(listener: &mut Listener, data: &D) {
@@ -381,5 +385,20 @@ mod tests {
             }
             assert_eq!(slow[0].altitude_m, Some(90.0));
         }
+    }
+
+    #[test]
+    fn a_fix_stamped_since_1970_is_heard_beside_an_attitude_stamped_since_the_start() {
+        let inbox = Arc::new(Inbox::default());
+        let mut listener = Listener::new(&Settings::default().mavlink, 50.0, Arc::clone(&inbox));
+        hear(&mut listener, &HEARTBEAT_DATA { mavtype: MavType::MAV_TYPE_FIXED_WING, ..HEARTBEAT_DATA::DEFAULT });
+        hear(&mut listener, &ATTITUDE_DATA { time_boot_ms: 20_000, roll: 0.1, ..ATTITUDE_DATA::DEFAULT });
+        let fix_type = GpsFixType::GPS_FIX_TYPE_3D_FIX;
+        let fix = GPS_RAW_INT_DATA { fix_type, vel: 1500, cog: 9000, eph: 100, ..GPS_RAW_INT_DATA::DEFAULT };
+        hear(&mut listener, &GPS_RAW_INT_DATA { time_usec: 1_700_000_000_000_000, ..fix });
+        let mut said = Vec::new();
+        inbox.take(&mut said);
+        let heard = |s: &Said| matches!(&s.what, What::Slow(aiding) if aiding.course_deg == Some(90.0));
+        assert!(said.iter().any(heard), "{said:?}");
     }
 }
