@@ -4,24 +4,22 @@ use crate::clock;
 use crate::config::Settings;
 use crate::head::Head;
 use crate::sensor::hardware::HardwareSource;
-use crate::sensor::schedule::Schedule;
 use crate::simulation::SimulatedSource;
 use crate::sky::FieldOfView;
 use crate::source::FrameSource;
 
-/// Errors when the sensors cannot be read in the time that the rate leaves. [`open`] does so too, and needs the buses and
-/// lines to be free.
+/// Errors when the sensors cannot be read in the time that the rate leaves, or cannot share an address. [`open`] does so
+/// too, and needs the buses and lines to be free.
 pub fn check(settings: &Settings, head: &Head) -> Result<(), String> {
     if settings.simulation.is_some() {
         return Ok(());
     }
-    let plan = Schedule::plan(&settings.sensors, head, settings.rate_hz, settings.quiet);
-    plan.map(drop).map_err(|e| e.to_string())
+    HardwareSource::check(settings, head).map_err(|e| e.to_string())
 }
 
 /// The simulated flight where one is configured, the hardware otherwise.
 ///
-/// Errors when the sensors cannot be read in the time that the rate leaves. Hardware that is absent
+/// Errors as [`check`] does. Hardware that is absent
 /// is no error: it may come, and until then its faults say what is missing.
 pub fn open(settings: &Settings, head: &Head) -> Result<Box<dyn FrameSource>, String> {
     match &settings.simulation {

@@ -11,7 +11,7 @@ use crate::head::Head;
 use crate::sensor::Chip;
 use crate::sensor::ads1115::Ads1115Chip;
 use crate::sensor::mlx90614::Mlx90614Chip;
-use crate::sensor::schedule::{DoesNotFit, Schedule};
+use crate::sensor::schedule::{ChipPlan, DoesNotFit, Schedule};
 use std::fmt;
 use std::path::Path;
 
@@ -41,16 +41,20 @@ impl fmt::Display for OpenError {
 impl std::error::Error for OpenError {}
 
 impl HardwareSource {
+    /// What [`open`](Self::open) would answer; nothing is read, switched or taken.
+    pub fn check(settings: &Settings, head: &Head) -> Result<(), OpenError> {
+        fit(settings, head).map(drop)
+    }
+
     /// The source of the configured sensors. Nothing need be plugged in: what is absent is missing
     /// from the frames until it is there.
     pub fn open(settings: &Settings, head: &Head) -> Result<Self, OpenError> {
-        let schedule =
-            Schedule::plan(&settings.sensors, head, settings.rate_hz, settings.quiet).map_err(OpenError::Schedule)?;
+        let (schedule, fitted) = fit(settings, head)?;
         log::info!("{schedule}");
         let mut known_lines: Vec<&LineSettings> = Vec::new();
         let mut lines: Vec<Box<dyn Switch>> = Vec::new();
         let mut chips = Vec::new();
-        for (index, plan) in schedule.chips.iter().enumerate() {
+        for (index, (plan, chip)) in schedule.chips.iter().zip(fitted).enumerate() {
             let name = schedule.chip_name(index);
             let sensors: Vec<_> = plan.sensors.iter().map(|s| &settings.sensors[*s]).collect();
             let power = sensors.iter().find_map(|s| s.power.as_ref()).map(|line| {
@@ -65,9 +69,7 @@ impl HardwareSource {
                 known_lines.push(line);
                 known_lines.len() - 1
             });
-            let devices: Vec<&DeviceSettings> = sensors.iter().map(|s| &s.device).collect();
-            let chip = chip(&name, &devices).map_err(|why| OpenError::Chip { names: name.clone(), why })?;
-            let kind = match devices.first() {
+            let kind = match sensors.first().map(|s| &s.device) {
                 Some(DeviceSettings::Ads1115(_)) => "ADS1115",
                 _ => "MLX90614",
             };
@@ -84,6 +86,19 @@ fn announce(bus: &str) {
     if let Ok(functions) = LinuxBus::functions_of(Path::new(bus)) {
         log::info!("{bus}: {functions}");
     }
+}
+
+/// When the sensors are read, and the chip of each plan in it.
+fn fit(settings: &Settings, head: &Head) -> Result<(Schedule, Vec<Box<dyn Chip>>), OpenError> {
+    let schedule =
+        Schedule::plan(&settings.sensors, head, settings.rate_hz, settings.quiet).map_err(OpenError::Schedule)?;
+    let chip = |(index, plan): (usize, &ChipPlan)| {
+        let devices: Vec<&DeviceSettings> = plan.sensors.iter().map(|s| &settings.sensors[*s].device).collect();
+        let names = schedule.chip_name(index);
+        chip(&names, &devices).map_err(|why| OpenError::Chip { names, why })
+    };
+    let chips = schedule.chips.iter().enumerate().map(chip).collect::<Result<_, _>>()?;
+    Ok((schedule, chips))
 }
 
 /// The chip that `devices` share.
