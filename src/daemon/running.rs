@@ -9,7 +9,7 @@ use crate::config::changes;
 use crate::config::{Loaded, Settings};
 use crate::dbus::{self, DbusError, Service};
 use crate::gpio::lamp::Lamp;
-use crate::gpio::output::OutputLine;
+use crate::gpio::output::PlugInLine;
 use crate::horizon::Horizon;
 use crate::mavlink::publisher::Publisher;
 use crate::mavlink::switchboard::Switchboard;
@@ -250,13 +250,7 @@ fn sample(
     let head = settings.head();
     let source = source::open(settings, &head).map_err(StartError::Configuration)?;
     let horizon = Horizon::new(settings, head.clone());
-    let lamp = settings.faults.lamp.as_ref().and_then(|line| match OutputLine::open(line, true) {
-        Ok(output) => Some(Lamp::new(output)),
-        Err(e) => {
-            log::error!("fault lamp: {e}; it stays as it is");
-            None
-        }
-    });
+    let lamp = settings.faults.lamp.as_ref().map(|line| Lamp::new(PlugInLine::new(line)));
     let stop = Arc::new(AtomicBool::new(false));
     let retune = Retune::default();
     let sampling = Sampling::new(head, source, horizon, Arc::clone(shared), Arc::clone(taps), lamp)

@@ -11,7 +11,7 @@ use crate::clock;
 use crate::config::Settings;
 use crate::frame::Frame;
 use crate::gpio::lamp::Lamp;
-use crate::gpio::output::OutputLine;
+use crate::gpio::output::PlugInLine;
 use crate::head::Head;
 use crate::horizon::Horizon;
 use crate::mavlink::publisher::Publisher;
@@ -33,7 +33,7 @@ pub struct Sampling {
     shared: Arc<Shared>,
     taps: Arc<Taps>,
     writer: Writer,
-    lamp: Option<Lamp<OutputLine>>,
+    lamp: Option<Lamp<PlugInLine>>,
     publisher: Option<Arc<Publisher>>,
     /// The newest scan.
     frame: Frame,
@@ -54,7 +54,7 @@ impl Sampling {
         horizon: Horizon,
         shared: Arc<Shared>,
         taps: Arc<Taps>,
-        lamp: Option<Lamp<OutputLine>>,
+        lamp: Option<Lamp<PlugInLine>>,
     ) -> Self {
         // A sensor is lost or saturated, a bus is down, and what there is but once.
         let kinds = 2 * head.sensors.len() + head.buses.len() + 4;
@@ -103,6 +103,7 @@ impl Sampling {
         let mut ticker = Ticker::new(clock::now(), rate_hz);
         let mut watchdog = Watchdog::from_environment();
         let mut told = 0;
+        self.shine(Mode::Starting, clock::now());
         while let Some(tick) = ticker.wait(stop) {
             self.step(tick);
             if let Some(watchdog) = &mut watchdog {
@@ -120,9 +121,13 @@ impl Sampling {
                 );
             }
         }
-        if let Some(lamp) = &mut self.lamp {
-            // Nobody measures any more: dark would say that all is well.
-            let _ = lamp.show(Mode::Faulted, clock::now());
+        // Nobody measures any more: dark would say that all is well.
+        self.shine(Mode::Faulted, clock::now());
+    }
+
+    fn shine(&mut self, mode: Mode, time: Time) {
+        if let Some(Err(e)) = self.lamp.as_mut().map(|lamp| lamp.show(mode, time)) {
+            log::error!("fault lamp: {e}; tried again every second");
         }
     }
 
@@ -163,10 +168,7 @@ impl Sampling {
         if !self.publisher.as_ref().is_some_and(|publisher| publisher.tell(&self.shared)) {
             self.shared.ring();
         }
-        if let Some(lamp) = &mut self.lamp {
-            // A lamp that cannot be switched is tried again at the next frame.
-            let _ = lamp.show(self.estimate.mode, self.frame.time);
-        }
+        self.shine(self.estimate.mode, self.frame.time);
         self.log.update(&self.estimate.faults, self.frame.time, |line| match line {
             Line::Came { fault, unsaid: 0 } => {
                 log::warn!("{}: {}", fault.kind.display(&*self.head), fault.evidence);

@@ -3,9 +3,12 @@
 use super::{GpioError, Switch};
 use crate::attitude::Mode;
 use crate::time::Time;
+use std::mem;
 
 /// How long a degraded lamp is lit, then dark, s.
 const BLINK_S: u64 = 1;
+/// So long after the last time it is switched whether that changes it or not, s: its chip may be another one.
+const AGAIN_S: f64 = 1.0;
 
 /// Whether the lamp is lit at `time`.
 pub const fn lit(mode: Mode, time: Time) -> bool {
@@ -16,27 +19,33 @@ pub const fn lit(mode: Mode, time: Time) -> bool {
     }
 }
 
-/// A lamp on a switch, which is touched only when the lamp changes.
+/// A lamp on a switch.
 #[derive(Debug)]
 pub struct Lamp<S> {
     switch: S,
-    shown: Option<bool>,
+    /// What it was switched to last, and when.
+    last: Option<(bool, Time)>,
+    failed: bool,
 }
 
 impl<S: Switch> Lamp<S> {
     /// A lamp on `switch`, in whatever state it is.
     pub const fn new(switch: S) -> Self {
-        Self { switch, shown: None }
+        Self { switch, last: None, failed: false }
     }
 
-    /// Shows `mode` at `time`. What could not be shown is tried again the next time.
+    /// Shows `mode` at `time`. What could not be shown is tried again after a second, and an error once.
     pub fn show(&mut self, mode: Mode, time: Time) -> Result<(), GpioError> {
         let on = lit(mode, time);
-        if self.shown == Some(on) {
+        let stands = |(last, at): (bool, Time)| (self.failed || last == on) && time.since(at) < AGAIN_S;
+        if self.last.is_some_and(stands) {
             return Ok(());
         }
+        self.last = Some((on, time));
         let switched = self.switch.set(on);
-        self.shown = switched.is_ok().then_some(on);
+        if mem::replace(&mut self.failed, switched.is_err()) {
+            return Ok(());
+        }
         switched
     }
 }
@@ -69,16 +78,31 @@ mod tests {
         {
             lamp.show(mode, Time::from_secs_f64(f64::from(tenths) / 10.0)).unwrap();
         }
-        // 0 s lit, 5 s dark; degraded from 10 s: lit in even seconds; faulted from 15 s.
-        assert_eq!(lamp.switch.sets, [true, false, true, false, true, false, true]);
+        // Once a second. 0 s lit, 5 s dark; degraded from 10 s: lit in even seconds; faulted from 15 s.
+        let shown = [[true; 5], [false; 5], [true, false, true, false, true], [true; 5]];
+        assert_eq!(lamp.switch.sets, shown.concat());
     }
 
     #[test]
-    fn a_lamp_that_failed_is_tried_again() {
+    fn it_changes_at_once() {
+        let mut lamp = Lamp::new(Bulb::default());
+        for (tenths, mode) in [Mode::Faulted, Mode::Nominal, Mode::Nominal, Mode::Faulted].into_iter().enumerate() {
+            lamp.show(mode, Time::from_secs_f64(tenths as f64 / 10.0)).unwrap();
+        }
+        assert_eq!(lamp.switch.sets, [true, false, true]);
+    }
+
+    #[test]
+    fn a_lamp_that_failed_is_tried_again_and_told_once() {
         let mut lamp = Lamp::new(Bulb { broken: true, ..Bulb::default() });
-        assert!(lamp.show(Mode::Faulted, Time::default()).is_err());
-        lamp.switch.broken = false;
-        lamp.show(Mode::Faulted, Time::default()).unwrap();
-        assert_eq!(lamp.switch.sets, [true]);
+        let mut told = |tenths: u32, broken| {
+            lamp.switch.broken = broken;
+            let told = lamp.show(Mode::Faulted, Time::from_secs_f64(f64::from(tenths) / 10.0)).is_err();
+            (told, lamp.switch.sets.len())
+        };
+        assert_eq!([told(0, true), told(5, true), told(10, true)], [(true, 0), (false, 0), (false, 0)]);
+        // Not at each frame: its chip may be gone for good.
+        assert_eq!([told(15, false), told(20, false)], [(false, 0), (false, 1)]);
+        assert!(told(30, true).0, "that it failed again");
     }
 }
