@@ -35,8 +35,9 @@ impl Daemon for Fake {
     }
 }
 
-const SCENES: [&str; 11] = [
+const SCENES: [&str; 12] = [
     "wet",
+    "held",
     "level",
     "trimmed",
     "nominal",
@@ -90,6 +91,7 @@ fn scene(name: &str) -> Status {
         pitch_deg: Some(0.0),
         roll_sigma_deg: Some(0.8),
         pitch_sigma_deg: Some(0.9),
+        measured: true,
         trim: Trim::default(),
         contrast_c: Some(36.78),
         hint: None,
@@ -110,6 +112,7 @@ fn scene(name: &str) -> Status {
     let withhold = |s: &mut Status, mode: &str| {
         s.mode = mode.into();
         (s.roll_deg, s.pitch_deg, s.roll_sigma_deg, s.pitch_sigma_deg) = (None, None, None, None);
+        s.measured = false;
     };
     match name {
         "nominal" => {}
@@ -158,8 +161,14 @@ fn scene(name: &str) -> Status {
                 sensor.residual_c = Some([0.124, -0.003, 9.5, -0.8, 0.0, 0.31][i]);
             }
         }
+        "held" => {
+            (s.mode, s.measured) = ("degraded".into(), false);
+            (s.roll_deg, s.pitch_deg) = (Some(3.2), Some(-0.4));
+            (s.roll_sigma_deg, s.pitch_sigma_deg) = (Some(42.2), Some(42.3));
+            s.faults = vec![fault("low-contrast", 7.0, "0.30 K, limit 2.00 K")];
+        }
         "level" => {
-            s.mode = "faulted".into();
+            (s.mode, s.measured) = ("faulted".into(), false);
             (s.roll_deg, s.pitch_deg) = (Some(3.2), Some(-0.4));
             (s.roll_sigma_deg, s.pitch_sigma_deg) = (Some(31.0), Some(31.0));
             s.faults = vec![fault("obstructed", 5.0, "25.00 °, limit 20.00 °")];
@@ -306,7 +315,9 @@ fn record_writes_a_whole_file_and_overwrites_none() {
 
 #[test]
 fn watch_draws_what_a_pilot_knows() {
-    for scene in ["nominal", "right-bank", "nose-up", "inverted", "faulted", "starting", "degraded", "wet", "level"] {
+    for scene in
+        ["nominal", "right-bank", "nose-up", "inverted", "faulted", "starting", "degraded", "wet", "level", "held"]
+    {
         let (code, out, _) = ctl(&format!("--bus fake:{scene} watch --once --size 80x24"));
         assert_eq!(code, 0);
         golden(&format!("watch-{scene}.txt"), &out);

@@ -28,6 +28,7 @@ fn assert_stops_soon(mut daemon: Daemon) {
 
 fn level(s: &mut Snapshot) {
     s.estimate.attitude = Some(Attitude::from_degrees(12.5, -3.0));
+    s.estimate.measured = true;
     s.estimate.sigma = Attitude::from_degrees(0.5, 0.25);
     s.estimate.trim = Attitude { roll: 0.0, pitch: 6_f64.to_radians() };
     s.estimate.contrast_k = Some(31.5);
@@ -63,6 +64,7 @@ fn busctl_reads_what_was_estimated() {
         ("PitchDeg", "d -3"),
         ("RollSigmaDeg", "d 0.5"),
         ("PitchSigmaDeg", "d 0.25"),
+        ("Measured", "b true"),
         ("RollTrimDeg", "d 0.5"),
         ("PitchTrimDeg", "d 4"),
         ("PitchTrimLearntDeg", "d 6"),
@@ -104,7 +106,9 @@ fn withheld_attitude_is_nan_and_never_the_last_value() {
     for name in ["RollDeg", "PitchDeg", "RollSigmaDeg", "PitchSigmaDeg"] {
         assert_eq!(bus.property(name), "d nan", "{name}");
     }
-    assert_eq!(bus.property("ContrastC"), "d 31.5");
+    assert_eq!((bus.property("Measured"), bus.property("ContrastC")), ("b false".into(), "d 31.5".into()));
+    daemon.frame(|s| (s.estimate.attitude, s.estimate.measured) = (Some(Attitude::default()), false));
+    assert_eq!((bus.property("Measured"), bus.property("RollDeg")), ("b false".into(), "d 0".into()), "it stands in");
 }
 
 #[test]

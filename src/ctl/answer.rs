@@ -56,6 +56,7 @@ pub(super) fn status(
         pitch_deg: p.number("PitchDeg")?,
         roll_sigma_deg: p.number("RollSigmaDeg")?,
         pitch_sigma_deg: p.number("PitchSigmaDeg")?,
+        measured: p.take("Measured")?,
         trim: Trim {
             roll_deg: p.take("RollTrimDeg")?,
             pitch_deg: p.take("PitchTrimDeg")?,

@@ -17,6 +17,11 @@ pub fn exposition(status: Option<&Status>) -> String {
         ("pitch_degrees", "Pitch, nose up positive; NaN while withheld.", s.pitch_deg),
         ("roll_sigma_degrees", "Standard deviation of roll.", s.roll_sigma_deg),
         ("pitch_sigma_degrees", "Standard deviation of pitch.", s.pitch_sigma_deg),
+        (
+            "measured",
+            "Whether roll and pitch are measured, and do not stand in for what is withheld.",
+            Some(f64::from(s.measured)),
+        ),
         ("contrast_kelvin", "Ground less zenith as the vertical pair sees it.", s.contrast_c),
         (
             "hint_bearing_degrees",

@@ -23,8 +23,7 @@ pub fn plain(s: &Status) -> String {
         let _ = writeln!(t, "{label:<10} {text}");
     };
     line("irhorizond", &format!("{}, method {}", s.version, s.method));
-    let stands_in = s.mode == "faulted" && finite(s.roll_deg).is_some();
-    line("mode", &format!("{}{}", s.mode, if stands_in { "; roll and pitch are shown, not measured" } else { "" }));
+    line("mode", &format!("{}{}", s.mode, if s.stands_in() { "; roll and pitch are shown, not measured" } else { "" }));
     line("roll", &angle(s.roll_deg, s.roll_sigma_deg, ("right", "left")));
     line("pitch", &angle(s.pitch_deg, s.pitch_sigma_deg, ("up", "down")));
     let learnt = s.trim.roll_learnt_deg.abs().max(s.trim.pitch_learnt_deg.abs());

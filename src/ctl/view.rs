@@ -19,6 +19,8 @@ pub struct Status {
     pub roll_sigma_deg: Option<f64>,
     /// Standard deviation of pitch, °.
     pub pitch_sigma_deg: Option<f64>,
+    /// Whether roll and pitch are measured: not while withheld, nor while something stands in for them.
+    pub measured: bool,
     /// The head's trim.
     pub trim: Trim,
     /// Ground less zenith as the vertical pair sees it, K.
@@ -39,6 +41,13 @@ pub struct Status {
     pub autopilot: Option<Autopilot>,
     /// The MAVLink endpoints.
     pub endpoints: Vec<Endpoint>,
+}
+
+impl Status {
+    /// Whether what is shown stands in for an attitude that is withheld.
+    pub fn stands_in(&self) -> bool {
+        !self.measured && self.roll_deg.is_some_and(f64::is_finite)
+    }
 }
 
 /// What the head shows in level flight, taken off the attitude.

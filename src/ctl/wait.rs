@@ -41,7 +41,7 @@ fn until(
     let limit = Duration::from_secs_f64(args.timeout);
     loop {
         let seen = look();
-        if seen.as_ref().is_ok_and(|status| args.mode.is_met_by(&status.mode)) {
+        if seen.as_ref().is_ok_and(|status| status.measured && args.mode.is_met_by(&status.mode)) {
             return Ok(());
         }
         let left = limit.saturating_sub(elapsed());
@@ -69,7 +69,8 @@ mod tests {
             seen += 1;
             match mode {
                 "" => Err(DaemonError::Absent("nobody".into())),
-                mode => Ok(Status { mode: mode.into(), ..Status::default() }),
+                "held" => Ok(Status { mode: "degraded".into(), ..Status::default() }),
+                mode => Ok(Status { mode: mode.into(), measured: true, ..Status::default() }),
             }
         };
         let outcome = until(&WaitArgs { timeout, mode }, &mut look, &|| now.get(), &mut |d| now.set(now.get() + d));
@@ -90,6 +91,7 @@ mod tests {
             (&["nominal", "degraded"][1..], ReadyMode::Nominal, 1),
             (&["starting"], ReadyMode::Degraded, 1),
             (&["faulted"], ReadyMode::Degraded, 1),
+            (&["held"], ReadyMode::Degraded, 1),
             (&["starting", ""], ReadyMode::Degraded, 3),
             (&["", "starting"], ReadyMode::Degraded, 1),
         ] {

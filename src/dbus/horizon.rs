@@ -49,12 +49,13 @@ impl Horizon {
     }
 
     /// The properties whose changes are signalled.
-    pub fn signalled(&self) -> [(&'static str, Variant<'static>); 13] {
+    pub fn signalled(&self) -> [(&'static str, Variant<'static>); 14] {
         [
             ("RollDeg", self.roll_deg().into()),
             ("PitchDeg", self.pitch_deg().into()),
             ("RollSigmaDeg", self.roll_sigma_deg().into()),
             ("PitchSigmaDeg", self.pitch_sigma_deg().into()),
+            ("Measured", self.measured().into()),
             ("ContrastC", self.contrast_c().into()),
             ("HintBearingDeg", self.hint_bearing_deg().into()),
             ("HintStrengthC", self.hint_strength_c().into()),
@@ -95,6 +96,14 @@ impl Horizon {
     #[zbus(property)]
     pub fn pitch_sigma_deg(&self) -> f64 {
         self.sigma_deg(|a| a.pitch)
+    }
+
+    /// Whether roll and pitch are measured: not while they are withheld, nor while what is held or eased to level stands in.
+    #[zbus(property)]
+    pub fn measured(&self) -> bool {
+        let live = lock(&self.live);
+        let estimate = &live.snapshot.estimate;
+        estimate.attitude.is_some() && estimate.measured
     }
 
     /// Ground less zenith as the vertical pair sees it, kelvin; NaN when unknown.

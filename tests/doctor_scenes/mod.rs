@@ -76,6 +76,7 @@ pub fn nominal(sensors: Vec<Sensor>) -> Status {
         pitch_deg: Some(2.0),
         roll_sigma_deg: Some(0.8),
         pitch_sigma_deg: Some(0.9),
+        measured: true,
         sample_time_usec: 3_600_000_000,
         sample_age_s: 0.0123,
         rate_hz: 50.02,

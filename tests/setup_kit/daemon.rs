@@ -33,6 +33,7 @@ impl Daemon for Fake {
             pitch_deg: Some(-4.0 - noise),
             roll_sigma_deg: Some(0.8),
             pitch_sigma_deg: Some(0.9),
+            measured: true,
             trim: Trim { roll_deg: 0.5, ..Trim::default() },
             sample_time_usec: 1_000_000 + look,
             ..Status::default()

@@ -52,7 +52,7 @@ pub fn draw(seen: &Seen, palette: Palette, buf: &mut Buffer) {
                     if let Some(hint) = s.hint {
                         instruments::hint(hint.bearing_deg, &view, palette, scene, buf);
                     }
-                    if s.mode == "faulted" {
+                    if s.stands_in() {
                         sign("SHOWN, NOT MEASURED", &reasons(s), palette, scene, buf);
                     }
                 }
