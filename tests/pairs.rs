@@ -10,7 +10,7 @@ use irhorizon::attitude::Estimate;
 use irhorizon::config::Settings;
 use irhorizon::ctl::score::statistics::Score;
 use irhorizon::estimator::{Estimator, ProfileEstimator};
-use irhorizon::frame::{Aiding, Frame, Value};
+use irhorizon::frame::{Aiding, Frame, Sample, Value};
 use irhorizon::head::SensorKind;
 use irhorizon::horizon::Horizon;
 use irhorizon::simulation::Scenario;
@@ -85,13 +85,18 @@ fn field_with_rates_and_gps() {
     }
 }
 
-/// Off its wire for ten seconds, at ground, at no difference or at the rail: what is still given is not wrong by 10° and 3σ.
+/// An ADS1115's step at a gain of 4.096 V.
+const STEP_V: f64 = 0.000_125;
+
+/// Off its wire for ten seconds, at ground, at no difference or at the rail, by itself or as its converter flickers: what is
+/// still given is not wrong by 10° and 3σ.
 #[test]
 fn a_pair_that_is_off_its_wire_is_no_wrong_roll_given_with_confidence() {
     let scenario = pairs("clear-dry");
     let head = scenario.head();
     let SensorKind::Pair { neutral_v, kelvin_per_v } = head.sensors[1].kind else { panic!("no pair") };
-    for off_k in [-49.5, 0.0, 49.5] {
+    let off = [-49.5, 0.0, 49.5].into_iter().flat_map(|off_k| [0.0, 1.0].map(|flicker| (off_k, flicker)));
+    for (off_k, flicker) in off {
         let (mut source, mut horizon) = (scenario.source(3), Horizon::new(&Settings::default(), head.clone()));
         let (mut frame, mut estimate) = (Frame::new(3), Estimate::default());
         let (mut wrong, mut named) = (0, 0);
@@ -99,8 +104,14 @@ fn a_pair_that_is_off_its_wire_is_no_wrong_roll_given_with_confidence() {
             source.scan(Time::from_secs_f64(100.0 + 0.02 * f64::from(i)), &mut frame);
             frame.aiding = Aiding::default();
             let off = i >= 500;
-            if off && let Ok(sample) = &mut frame.readings[1] {
-                sample.value = Value::Volts(neutral_v + off_k / kelvin_per_v);
+            let steps = |volts: f64| (volts / STEP_V).round() * STEP_V;
+            for (pair, reading) in frame.readings.iter_mut().enumerate() {
+                let Ok(Sample { value: Value::Volts(volts), .. }) = reading else { continue };
+                *volts = steps(*volts);
+                if off && pair == 1 {
+                    let steps_off = flicker * f64::from(i * i / 7 % 2);
+                    *volts = steps(neutral_v + off_k / kelvin_per_v) + steps_off * STEP_V;
+                }
             }
             horizon.update(&frame, &[], &mut estimate);
             named += i32::from(off && !estimate.faults.is_empty());
@@ -109,6 +120,6 @@ fn a_pair_that_is_off_its_wire_is_no_wrong_roll_given_with_confidence() {
                 wrong += i32::from(error > 10_f64.to_radians().max(3.0 * estimate.sigma.roll));
             }
         }
-        assert!(wrong == 0 && named > 430, "{off_k} K: {wrong} wrong, {named} with a fault");
+        assert!(wrong == 0 && named > 430, "{off_k} K, flickers by {flicker}: {wrong} wrong, {named} with a fault");
     }
 }

@@ -11,6 +11,8 @@ const APART_S: f64 = 0.045;
 const LARGEST: f64 = 4.0;
 /// A sensor whose noise is so many of its steps never stays the same.
 const NOISY: f64 = 1.5;
+/// One of such noise that stays within this share of it says the same, whatever its converter adds.
+const STILL: f64 = 0.25;
 /// Over this time the noise of one sensor is averaged, and it is known after so much of it, s.
 const NOISE_S: (f64, f64) = (10.0, 5.0);
 
@@ -65,6 +67,11 @@ impl Noise {
     /// Whether it is so large that readings never stay the same.
     pub fn moves_all(&self) -> bool {
         self.learnt_s >= NOISE_S.1 && self.step.is_some_and(|step| self.variance.sqrt() >= NOISY * step)
+    }
+
+    /// How far apart two readings are at most that are the same, K.
+    pub fn still_k(&self) -> f64 {
+        if self.moves_all() { STILL * self.rms_k() } else { 0.0 }
     }
 
     /// How large it is, K rms.

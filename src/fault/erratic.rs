@@ -15,6 +15,8 @@ const CALM: f64 = 1.0;
 /// A sensor that changes at more than this share of the last so many readings does not say what it cannot have seen
 /// twice and mean it.
 const RESTLESS: f64 = 0.9;
+/// The same, that is, but for what a converter adds, K.
+const SAME_K: f64 = 0.02;
 const LEARNT: f64 = 50.0;
 
 /// One sensor.
@@ -44,7 +46,7 @@ impl Watch {
         let since_s = self.read.replace(time).map_or(f64::INFINITY, |read| time.since(read));
         self.jumps *= (-since_s / OVER_S).exp();
         // A wire that is off says the same for ever.
-        let again = self.doubted_k == Some(reading_k) && self.changes > RESTLESS;
+        let again = self.doubted_k.is_some_and(|k| (reading_k - k).abs() <= SAME_K) && self.changes > RESTLESS;
         let far = |(last, last_k): (Time, f64)| (reading_k - last_k).abs() > JUMP_K + SLEW_K_S * time.since(last);
         let jumps = !again && self.last.is_some_and(far);
         self.jumps += f64::from(jumps);

@@ -139,8 +139,10 @@ impl StuckSensors {
 impl Run {
     fn extend(&mut self, reading: Option<(f64, Time)>, now: Time) {
         let Some((reading, time)) = reading else { return };
-        self.noise.update(reading, time, self.reading_k);
-        if self.reading_k == Some(reading) {
+        if !self.stuck.is_active() {
+            self.noise.update(reading, time, self.reading_k);
+        }
+        if self.reading_k.is_some_and(|k| (reading - k).abs() <= self.noise.still_k()) {
             if time > self.last {
                 self.against -= self.honest.ln();
                 if !self.stuck.is_active() {
