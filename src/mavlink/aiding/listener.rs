@@ -287,7 +287,8 @@ impl Listener {
         let drives = driven.is_none_or(|at| is_rates || now.since(at) > DRIVEN_S);
         let began = drives && clock.arrived(now, sent);
         let moment = clock.ours(now, sent);
-        if began {
+        // Of an autopilot that knows the date since now, not one that has begun anew.
+        if began && !matches!(stamp, Stamp::Epoch(_)) {
             log::info!("the autopilot's clock has begun anew");
             self.asker = Asker::default();
             (self.sense, self.climb) = (Sense::default(), Climb::default());
