@@ -107,7 +107,7 @@ impl Disagree {
         self.pitched = (self.pitched.0 + attitude.pitch, self.pitched.1 + 1.0);
         let flying = attitude.roll.abs() < FLYING.roll && attitude.pitch.abs() < FLYING.pitch;
         let references = [heard.bank.map(|(bank, _)| bank), heard.climb];
-        self.wired.compare(attitude, references.map(|r| r.filter(|_| flying)));
+        self.wired.compare(attitude, references.map(|r| r.filter(|_| flying)), now);
         if let Some((bank, roll)) = heard.bank {
             if roll.abs() < FLYING.roll && attitude.pitch.abs() < FLYING.pitch {
                 self.scale.compare(roll, bank, now);

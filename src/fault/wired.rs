@@ -15,6 +15,8 @@ pub(super) use ways::{ASKEW, REMEMBERED_S, beside_askew};
 
 /// Seconds for which it must be gone; the method has taken its time to find it.
 const GONE_S: f64 = 3.0;
+/// Without a reference for so long, s, none is heard.
+const STALE_S: f64 = 5.0;
 /// The percentage of the squares of what turns that is left, from which on it turns otherwise.
 const LIMIT: f64 = 70.0;
 
@@ -26,11 +28,19 @@ pub struct Wired {
     left: f64,
     doubt: Attitude,
     ways: Ways,
+    /// When the last reference came.
+    heard: Option<Time>,
 }
 
 impl Default for Wired {
     fn default() -> Self {
-        Self { angles: [Debounce::new(0.0, GONE_S); 2], left: 0.0, doubt: Attitude::default(), ways: Ways::default() }
+        Self {
+            angles: [Debounce::new(0.0, GONE_S); 2],
+            left: 0.0,
+            doubt: Attitude::default(),
+            ways: Ways::default(),
+            heard: None,
+        }
     }
 }
 
@@ -39,7 +49,8 @@ impl Wired {
     pub fn update(&mut self, solution: &Solution, now: Time) {
         let by_references = solution.attitude.and_then(|is| self.ways.found(is));
         // A gyro may sit otherwise than the head, and the head be right: what is flown knows which.
-        let found = if self.ways.hears() { by_references } else { solution.wired };
+        let hears = self.heard.is_some_and(|at| (0.0..STALE_S).contains(&now.since(at)));
+        let found = by_references.or(solution.wired.filter(|_| !hears && !self.ways.acquits()));
         let angles = found.map_or([false; 2], |otherwise| otherwise.angles);
         for (angle, there) in self.angles.iter_mut().zip(angles) {
             angle.update(there, now);
@@ -53,7 +64,10 @@ impl Wired {
     }
 
     /// Takes in an attitude and the bank and angle of climb that came with it.
-    pub fn compare(&mut self, attitude: Attitude, references: [Option<Angle>; 2]) {
+    pub fn compare(&mut self, attitude: Attitude, references: [Option<Angle>; 2], now: Time) {
+        if references.iter().any(Option::is_some) {
+            self.heard = Some(now);
+        }
         self.ways.update(attitude, references);
     }
 

@@ -3,7 +3,7 @@
 //! Where north is warmer the nose is shown too low flying north, and flying west the right wing. What turns with the heading has
 //! no mean over a turn, which is what single angles are judged by.
 
-use super::{LASTS_S, STALE_S};
+use super::LASTS_S;
 use crate::attitude::Attitude;
 use crate::estimator::linear::solve;
 use crate::estimator::references::Angle;
@@ -87,7 +87,8 @@ impl Side {
 
     /// Takes in what time it is.
     pub fn judge(&mut self, now: Time) {
-        let heard = self.heard.is_some_and(|at| (0.0..STALE_S).contains(&now.since(at)));
+        // The sky is as warm on that side while nothing is heard.
+        let heard = self.heard.is_some_and(|at| (0.0..FOUND_S).contains(&now.since(at)));
         self.amiss.update(self.there && heard, now);
     }
 
@@ -119,8 +120,10 @@ mod tests {
         }
         let Attitude { roll, pitch } = side.doubt();
         assert_eq!(roll, pitch);
-        // Unheard it is over.
-        (0..50).for_each(|i| side.judge(Time::from_secs_f64(220.0 + 0.2 * f64::from(i))));
+        // Unheard it is there still, and over after a while.
+        side.judge(Time::from_secs_f64(240.0));
+        assert_eq!(side.doubt().roll, roll);
+        (0..50).for_each(|i| side.judge(Time::from_secs_f64(280.0 + 0.2 * f64::from(i))));
         assert_eq!(side.doubt(), Attitude::default());
         roll.to_degrees()
     }

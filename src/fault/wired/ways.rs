@@ -84,9 +84,10 @@ impl Ways {
         std::array::from_fn(|way| self.left.iter().map(|left| left[way].sum()).sum())
     }
 
-    /// Whether anything has been compared.
-    pub fn hears(&self) -> bool {
-        self.flown.iter().any(|flown| flown.0[0] > 0.0)
+    /// Whether what is flown is as the head shows it, and so much of it that no other way of wiring would.
+    pub fn acquits(&self) -> bool {
+        let [as_configured, ..] = self.left();
+        self.found.is_none() && self.flown() - as_configured > SMALLER
     }
 
     /// What is flown, σ².
