@@ -31,7 +31,7 @@ impl WetSensors {
             films: head.sensors.iter().map(|s| (s.kind, Film::default())).collect(),
             absolute: head.sensors.iter().all(crate::head::Sensor::is_absolute),
             last_s: None,
-            everywhere: Everywhere::default(),
+            everywhere: Everywhere::new(head.sensors.len()),
         }
     }
 
@@ -45,7 +45,6 @@ impl WetSensors {
     pub fn update(&mut self, frame: &Frame, solution: &Solution, low_k: f64, obstructed: bool) {
         let now_s = frame.time.as_secs_f64();
         let dt_s = self.last_s.replace(now_s).map_or(0.0, |last| (now_s - last).clamp(0.0, 1.0));
-        let mut apart_k = Some(0.0);
         let mut range_c = (f64::INFINITY, f64::NEG_INFINITY);
         for (i, (kind, film)) in self.films.iter_mut().enumerate() {
             let value = frame.readings.get(i).and_then(|r| r.ok()).map(|s| s.value);
@@ -53,19 +52,15 @@ impl WetSensors {
                 Value::Absolute { ambient_c, .. } => Some((kind.kelvin(value)?, ambient_c)),
                 Value::Volts(_) => None,
             });
-            let Some((object_c, ambient_c)) = shown else {
-                apart_k = None;
-                continue;
-            };
-            apart_k = apart_k.zip(ambient_c).map(|(sum, own)| sum + (object_c - own).abs());
+            self.everywhere.see(i, shown.and_then(|(object_c, own_c)| Some((object_c - own_c?).abs())), dt_s);
+            let Some((object_c, ambient_c)) = shown else { continue };
             range_c = (range_c.0.min(object_c), range_c.1.max(object_c));
             let hearing = solution.sensors.get(i).copied().unwrap_or_default();
             film.see((object_c, ambient_c), &hearing, obstructed, dt_s);
             film.judge(self.limit, obstructed, frame.time);
         }
-        if self.absolute {
-            let seen_k = apart_k.map(|apart_k| [range_c.1 - range_c.0, apart_k]);
-            self.everywhere.see(seen_k.filter(|s| s.iter().all(|k| k.is_finite())), low_k, dt_s, frame.time);
+        if self.absolute && range_c.1 >= range_c.0 {
+            self.everywhere.judge(range_c.1 - range_c.0, low_k, dt_s, frame.time);
         }
     }
 
