@@ -1,5 +1,7 @@
 //! A sensor that says the same whatever the aircraft does.
 
+mod turned;
+
 use super::debounce::Debounce;
 use super::{ActiveFault, Evidence, FaultKind};
 use crate::estimator::noise::Noise;
@@ -7,6 +9,7 @@ use crate::estimator::{Hearing, Standing};
 use crate::frame::Frame;
 use crate::head::Head;
 use crate::time::Time;
+use turned::Turned;
 
 /// What the others must have moved by meanwhile, K, and how many of them.
 const MOVED_K: f64 = 2.0;
@@ -19,8 +22,8 @@ const IMPROBABLE: f64 = 20.0;
 const SURE: f64 = 100.0;
 /// Noise of so much, K rms, is the sensor's own: what less the readings jump by may be the aircraft's.
 const OWN_K: f64 = 0.03;
-/// As improbable it must be where the method says that the reading should have changed.
-const DOUBTFUL: f64 = 3.0;
+/// As improbable it must be where the method says that the reading should have changed: more than one repetition.
+const DOUBTFUL: f64 = 4.0;
 /// How many readings the share of honest repetitions is learnt from, and its bounds.
 const LEARNT: f64 = 500.0;
 const HONEST: (f64, f64) = (0.02, 0.998);
@@ -43,12 +46,13 @@ struct Run {
 
 /// Sees `sensor-stuck`. A quiet sensor of coarse steps repeats itself honestly, and a head at rest does: the others
 /// must have moved, and the run must be longer than those that this sensor is known for. One whose noise never lets it
-/// say the same twice needs no others. One that is stuck remains so until it says something else.
+/// say the same twice needs no others; all are stuck that say the same while a gyro rolls. One that is stuck remains so until it says something else.
 #[derive(Clone, Debug)]
 pub struct StuckSensors {
     head: Head,
     runs: Vec<Run>,
     repeating: Vec<bool>,
+    turned: Turned,
     after_s: f64,
 }
 
@@ -66,7 +70,7 @@ impl StuckSensors {
             noise: Noise::default(),
             stuck: Debounce::new(0.0, BACK_S),
         };
-        Self { head: head.clone(), runs: vec![run; n], repeating: vec![false; n], after_s }
+        Self { head: head.clone(), runs: vec![run; n], repeating: vec![false; n], turned: Turned::default(), after_s }
     }
 
     /// Another time for which a sensor must repeat itself, s.
@@ -87,9 +91,12 @@ impl StuckSensors {
         for (run, repeating) in self.runs.iter().zip(&mut self.repeating) {
             *repeating = run.reading_k.is_some() && run.last.since(run.since) >= self.after_s;
         }
+        let still = self.repeating.iter().all(|r| *r);
+        let [roll_rate, ..] = frame.aiding.gyro_deg_s;
+        let all = self.turned.rolls(roll_rate.filter(|r| r.is_finite()), still, frame.time);
         for i in 0..self.runs.len() {
             let known = sensors.get(i).is_some_and(|h| h.standing == Standing::Stuck);
-            let stuck = self.repeating[i] && (self.runs[i].stuck.is_active() || self.convicts(i, known));
+            let stuck = self.repeating[i] && (self.runs[i].stuck.is_active() || all || self.convicts(i, known));
             self.runs[i].stuck.update(stuck, frame.time);
         }
     }

@@ -7,6 +7,8 @@ use crate::time::Time;
 const SAME_S: f64 = 0.5;
 /// while the attitude alone would have changed it by so much, K: quiet sensors repeat themselves honestly.
 const MOVED_K: f64 = 1.0;
+/// So often, at least: one may come after a gap.
+const TIMES: u32 = 3;
 /// Or for so long, s, and so many times as long as ever before, of a sensor whose noise is so many of its steps: its
 /// readings do not stay the same.
 const SURE_S: f64 = 0.25;
@@ -20,8 +22,9 @@ const AT_REST: usize = 3;
 pub struct Stuck {
     /// The reading, since when, and the least and most that was expected of it meanwhile.
     same: Option<(f64, Time, f64, f64)>,
-    /// For how long, s.
+    /// For how long, s, and how often again.
     same_s: f64,
+    times: u32,
     /// Its noise would not let it.
     impossible: bool,
     /// The longest time for which it has said the same honestly, s.
@@ -36,8 +39,8 @@ impl Stuck {
         match &mut self.same {
             Some((same, since, least, most)) if *same == reading => {
                 (*least, *most) = (least.min(expected), most.max(expected));
-                self.same_s = now.since(*since);
-                let long = self.same_s >= SURE_S.max(LONGEST * self.longest_s);
+                (self.same_s, self.times) = (now.since(*since), self.times.saturating_add(1));
+                let long = self.times >= TIMES && self.same_s >= SURE_S.max(LONGEST * self.longest_s);
                 self.impossible |= long && self.noise.moves_all();
             }
             _ => {
@@ -45,14 +48,14 @@ impl Stuck {
                     self.longest_s = self.longest_s.max(self.same_s);
                 }
                 self.same = Some((reading, now, expected, expected));
-                (self.same_s, self.impossible) = (0.0, false);
+                (self.same_s, self.times, self.impossible) = (0.0, 0, false);
             }
         }
     }
 
     /// Whether it repeats itself.
     fn repeats(&self) -> bool {
-        self.impossible || self.same_s >= SAME_S
+        self.impossible || self.times >= TIMES && self.same_s >= SAME_S
     }
 
     /// Whether it would have changed.

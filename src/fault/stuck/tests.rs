@@ -157,3 +157,21 @@ fn what_the_method_says_counts_where_the_reading_is_the_same_for_as_long() {
     flight.fly(0.2, &sensors, but(&[0, 1, 2, 3]));
     assert_eq!(flight.stuck(), [1]);
 }
+
+/// At rest nothing rolls, and a steady turn rolls hardly; a gyro's bias is no roll.
+#[test]
+fn all_are_stuck_that_say_the_same_while_a_gyro_rolls() {
+    for (rate_deg_s, stuck) in [(None, 0), (Some(0.0), 0), (Some(-2.5), 0), (Some(f64::NAN), 0), (Some(-20.0), 6)] {
+        let mut flight = Flight::new();
+        flight.fly(5.0, &[], turning);
+        for _ in 0..1500 {
+            flight.scan += 1;
+            let mut frame = frame(100.0 + STEP_S * f64::from(flight.scan), &[3.0; 6], None);
+            frame.aiding.gyro_deg_s[0] = rate_deg_s;
+            flight.stuck.update(&frame, &[]);
+        }
+        assert_eq!(flight.stuck().len(), stuck, "{rate_deg_s:?}");
+        flight.fly(1.0, &[], turning);
+        assert_eq!(flight.stuck().len(), 0, "{rate_deg_s:?}");
+    }
+}
