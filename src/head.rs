@@ -5,6 +5,9 @@ use crate::fault::FaultName;
 use crate::frame::{Frame, Missing, Value};
 use crate::time::Time;
 
+/// What a sensor that says a temperature can have seen, °C: a part of a scene, averaged over its field of view.
+const SEEN_C: std::ops::Range<f64> = -120.0..125.0;
+
 /// What kind of reading a sensor gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SensorKind {
@@ -38,7 +41,8 @@ impl SensorKind {
             (Value::Volts(v), Self::Pair { neutral_v, kelvin_per_v }) => (v - neutral_v) * kelvin_per_v,
             _ => return None,
         };
-        (kelvin.abs() < 1000.0).then_some(kelvin)
+        let possible = if self.is_absolute() { SEEN_C } else { -1000.0..1000.0 };
+        possible.contains(&kelvin).then_some(kelvin)
     }
 }
 

@@ -33,7 +33,7 @@ struct Watch {
 }
 
 impl Watch {
-    /// Takes in a reading, K; whether it is to be believed.
+    /// Takes in a reading, K, or NaN for one that is no temperature; whether it is to be believed.
     fn believes(&mut self, time: Time, reading_k: f64) -> bool {
         if self.read == Some(time) {
             // Told again.
@@ -48,7 +48,7 @@ impl Watch {
         // A wire that is off says the same for ever.
         let again = self.doubted_k.is_some_and(|k| (reading_k - k).abs() <= SAME_K) && self.changes > RESTLESS;
         let far = |(last, last_k): (Time, f64)| (reading_k - last_k).abs() > JUMP_K + SLEW_K_S * time.since(last);
-        let jumps = !again && self.last.is_some_and(far);
+        let jumps = reading_k.is_nan() || !again && self.last.is_some_and(far);
         self.jumps += f64::from(jumps);
         self.erratic = self.jumps > if self.erratic { CALM } else { ERRATIC };
         if jumps || again {
@@ -82,10 +82,9 @@ impl ErraticSensors {
     /// A sensor that never says the same twice is not believed either while it repeats such a reading.
     pub fn take_out(&mut self, frame: &mut Frame) {
         for (i, watch) in self.watches.iter_mut().enumerate() {
-            // What is read and is no temperature means nothing.
-            let believed =
-                self.head.reading_k(i, frame).is_some_and(|(reading_k, time)| watch.believes(time, reading_k));
-            if let Some(reading) = frame.readings.get_mut(i).filter(|reading| reading.is_ok() && !believed) {
+            let reading_k = self.head.reading_k(i, frame).map_or(f64::NAN, |(reading_k, _)| reading_k);
+            let Some(reading) = frame.readings.get_mut(i) else { continue };
+            if reading.is_ok_and(|sample| !watch.believes(sample.time, reading_k)) {
                 *reading = Err(Missing::Impossible);
             }
         }
