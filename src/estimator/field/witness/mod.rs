@@ -36,7 +36,7 @@ use rival::Rival;
 /// Readings are averaged over this time before witnesses hear them, s.
 const STEP_S: f64 = 0.05;
 /// A pause longer than this begins anew, s.
-const GAP_S: f64 = 1.0;
+const GAP_S: f64 = 2.0;
 /// A sum of surprises never falls below, nor rises above.
 const BOUNDS: (f64, f64) = (-5.0, 300.0);
 /// The sky's shape is followed over this time, s, and not while any sensor surprises.
