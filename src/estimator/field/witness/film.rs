@@ -17,8 +17,13 @@ const OFF: (f64, f64) = (1.0, 2.5);
 const GROWS_S: f64 = 6.0;
 /// For so long, s, it must have been nearer before: what was there from the beginning may be how the world is.
 const RIGHT_S: f64 = 10.0;
-/// What should be shown is no farther from the ground than so many times the contrast, or whoever says so is lost.
-const OF_THIS_WORLD: f64 = 1.5;
+/// What was shown while it was right is remembered for so long, s: where nothing changes a film must show something else, by
+/// such a share of what it is off by.
+const BEFORE_S: f64 = 60.0;
+const ELSE: f64 = 0.25;
+/// What should be shown is no colder and no warmer than the ground by more than so many times the contrast, or whoever says so
+/// is lost.
+const OF_THIS_WORLD: (f64, f64) = (1.5, 0.5);
 /// A film leaves no more than such a share of how far die and scene are apart.
 const LEFT: f64 = 0.1;
 /// Where what should be shown changes by so much, K rms, a film loses such a share of it, least and most.
@@ -46,6 +51,10 @@ pub struct Film {
     follow: Follow,
     ambient_c: f64,
     right_s: f64,
+    /// The least and the most that was shown lately while it was right, °C.
+    before: Option<(f64, f64)>,
+    /// Whether it shows something else now.
+    is_new: bool,
     seen_s: f64,
     growing_s: f64,
 }
@@ -57,9 +66,14 @@ impl Film {
         let Shown { reading, ambient_c, expected: (expected, sigma_k), sky: (ground_c, contrast_k) } = shown;
         let (apart_k, off_k) = ((ambient_c - expected).abs(), (reading - expected).abs());
         let share = (reading - expected) / (ambient_c - expected);
-        let sound = (expected - ground_c).abs() < OF_THIS_WORLD * contrast_k;
+        let sound = (-OF_THIS_WORLD.0..OF_THIS_WORLD.1).contains(&((expected - ground_c) / contrast_k));
         let is_off = off_k > OFF.0.max(OFF.1 * sigma_k);
         self.right_s += if is_off { 0.0 } else { dt_s };
+        if !is_off {
+            self.remember(reading, dt_s);
+        }
+        let beyond = |(least, most): (f64, f64)| (least - reading).max(reading - most);
+        self.is_new = self.before.is_none_or(|before| beyond(before) > ELSE * off_k);
         let may_be = sound && self.right_s > RIGHT_S;
         let grows = may_be && is_off && (GROWING..SHARE.1).contains(&share);
         self.growing_s = if grows { self.growing_s + dt_s } else { 0.0 };
@@ -72,9 +86,16 @@ impl Film {
         }
     }
 
+    fn remember(&mut self, reading: f64, dt_s: f64) {
+        let fades = -(-dt_s / BEFORE_S).exp_m1();
+        let toward = |bound: f64| bound + fades * (reading - bound);
+        let (least, most) = self.before.map_or((reading, reading), |(least, most)| (toward(least), toward(most)));
+        self.before = Some((least.min(reading), most.max(reading)));
+    }
+
     /// The same of which none is seen.
     pub fn none(self) -> Self {
-        Self { right_s: self.right_s, ..Self::default() }
+        Self { right_s: self.right_s, before: self.before, is_new: self.is_new, ..Self::default() }
     }
 
     /// Whether it shows as much of its die as a film would.
@@ -92,7 +113,7 @@ impl Film {
     pub fn is_there(&self, upright: bool) -> bool {
         let lasts = match self.follow.lost_of(CHANGES_K) {
             Some(lost) => (LOST.0..LOST.1).contains(&lost) && self.seen_s > LASTS_S.0,
-            None => upright && self.seen_s > LASTS_S.1,
+            None => upright && self.is_new && self.seen_s > LASTS_S.1,
         };
         lasts && self.follow.beside_film(self.ambient_c).is_some_and(|left| left < LEFT)
     }
@@ -137,6 +158,19 @@ mod tests {
         }
     }
 
+    /// Who says what should be shown may be wrong: a film shows what the sensor did not show before.
+    #[test]
+    fn what_it_shows_as_before_is_none_where_nothing_changes() {
+        let shown =
+            |reading: f64, due: f64| Shown { reading, ambient_c: 20.0, expected: (due, 0.2), sky: (17.0, 30.0) };
+        for (before, there) in [(18.9, false), (12.0, true)] {
+            let mut film = Film::default();
+            (0..400).for_each(|_| film.see(Some(shown(before, before)), 0.05));
+            (0..80).for_each(|_| film.see(Some(shown(19.0, 10.0)), 0.05));
+            assert_eq!(film.is_there(true), there, "{before} °C before");
+        }
+    }
+
     #[test]
     fn what_was_there_from_the_beginning_is_the_world() {
         let mut film = Film::default();
@@ -153,8 +187,10 @@ mod tests {
         let mut film = seen(0.0, 4.0, |_| 20.0);
         film.see(None, 0.05);
         assert!(!film.is_there(true) && !film.is_seen() && !film.may_grow());
-        let lost = Shown { reading: 20.0, ambient_c: 20.0, expected: (90.0, 0.2), sky: (17.0, 30.0) };
-        (0..200).for_each(|_| film.see(Some(lost), 0.05));
-        assert!(!film.is_there(true) && !film.may_grow());
+        for expected in [90.0, 40.0, -30.0] {
+            let lost = Shown { reading: 20.0, ambient_c: 20.0, expected: (expected, 0.2), sky: (17.0, 30.0) };
+            (0..200).for_each(|_| film.see(Some(lost), 0.05));
+            assert!(!film.is_there(true) && !film.may_grow(), "{expected} °C");
+        }
     }
 }
