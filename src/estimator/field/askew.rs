@@ -93,12 +93,12 @@ impl FieldEstimator {
         let large = self.tuning.askew.1.powi(2);
         let expected = (self.state.askew2, large);
         let tells = self.gyro.in_use() && self.model.shows_scenes();
-        let then = tells.then(|| IfExpected::of(&self.state, STATES, expected)).flatten();
+        let then = tells.then(|| IfExpected::of(&self.state, STATES, &[], expected)).flatten();
         self.askew_s = if then.is_some_and(|then| then.likelier > SURE) { self.askew_s + dt_s } else { 0.0 };
         if self.askew_s > LASTS_S {
             self.askew_s = 0.0;
             let mut beside = self.state.clone();
-            expect(&mut beside, STATES, expected);
+            expect(&mut beside, STATES, &[], expected);
             STATES.for_each(|i| self.state.add_variance(i, large));
             // What the axes did may have been taken for a bias.
             (RATE..RATE + 3).for_each(|i| self.state.add_variance(i, self.tuning.bias.0.powi(2)));

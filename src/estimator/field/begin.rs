@@ -101,7 +101,7 @@ impl FieldEstimator {
             s.x[i] = 0.0;
             s.set_variance(i, if gyro { t.lean.0.powi(2) } else { 0.0 });
         }
-        s.lean2 = t.lean.0.powi(2);
+        (s.lean2, s.lean_mean) = (t.lean.0.powi(2), [0.0; 2]);
         (self.leant, self.told) = (false, false);
         self.turned = 0.0;
         self.around = Around::default();

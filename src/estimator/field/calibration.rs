@@ -34,7 +34,7 @@ impl FieldEstimator {
         if self.off_s > LASTS_S {
             self.off_s = 0.0;
             let (states, was, large) = (self.state.errors(), self.state.error2, self.large());
-            expect(&mut self.state, states, (was, large));
+            expect(&mut self.state, states, &[], (was, large));
             self.state.error2 = large;
             // What moves the sky's shape then is no wall.
             self.moved = Moved::default();
@@ -48,7 +48,7 @@ impl FieldEstimator {
 
     /// What is known of the errors by `state` were large ones expected; none where they are.
     fn if_large(&self, state: &State) -> Option<IfExpected> {
-        IfExpected::of(state, state.errors(), (state.error2, self.large()))
+        IfExpected::of(state, state.errors(), &[], (state.error2, self.large()))
     }
 
     /// How many times more likely, as a logarithm, large errors are by `state`; none where they are expected.

@@ -48,6 +48,8 @@ pub struct Carried {
     bias: Option<(Vector, f64)>,
     /// What is carried is carried to then.
     last: Option<Time>,
+    /// The gyro that carries is not believed any more, and the filter has begun anew.
+    doubted: bool,
 }
 
 impl Carried {
@@ -76,6 +78,15 @@ impl Carried {
         self.anchors = self.anchors.map(|a| a.filter(|a| a.age_s < LONGEST_S));
     }
 
+    /// The filter begins anew against its gyro: which of the two is right nobody knows until what is carried is old.
+    pub fn doubt(&mut self) {
+        self.doubted = true;
+    }
+
+    fn is_doubted(&self) -> bool {
+        self.doubted && self.anchors.iter().any(Option::is_some)
+    }
+
     /// By how much the attitude given now parts from what is carried more than both are known to, rad.
     fn parts(&mut self, up: Vector, sigma: f64) -> f64 {
         let beyond = |a: &Anchor| {
@@ -96,7 +107,8 @@ impl FieldEstimator {
     /// Takes in a gyro's rates, while it is believed, up to `now`; one that is proven also while nothing else is.
     pub(super) fn carry_on(&mut self, now: Time) {
         let unbegun = || self.gyro.newest().filter(|_| self.last.is_none() && self.turns.proven());
-        let Some(rates) = self.gyro.rates().or_else(unbegun) else {
+        let doubted = || self.gyro.said().filter(|_| self.carried.is_doubted() && !self.turns.contradict());
+        let Some(rates) = self.gyro.rates().or_else(unbegun).or_else(doubted) else {
             self.carried = Carried::default();
             return;
         };

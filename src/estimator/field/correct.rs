@@ -62,14 +62,14 @@ impl Misfit {
         (self.squared / 2.0).max(1.0).sqrt()
     }
 
-    /// Whether to begin anew, at this contrast: no scene can be so far off. With a gyro, which is in doubt then, what
-    /// scenes may hide, rad, is none of its.
-    pub fn is_lost(self, contrast_k: f64, hidden: Option<f64>) -> bool {
+    /// Whether to begin anew, at this contrast: no scene can be so far off, nor a horizon that is known to lean by `leans`, rad,
+    /// from an even one. With a gyro, which is in doubt then, what scenes may hide, rad, is none of its.
+    pub fn is_lost(self, contrast_k: f64, leans: f64, hidden: Option<f64>) -> bool {
         let limit = APART.0.max(APART.1 / contrast_k.abs().max(1.0)) + hidden.unwrap_or(0.0);
         let (misfit, most) = hidden.map_or((self.others, LOST), |_| (self.others.min(self.turning), GYRO_WRONG));
         misfit > most
             || self.apart[0].hypot(self.apart[1]) > limit
-            || self.apart_from_even[0].hypot(self.apart_from_even[1]) > WARM * limit
+            || self.apart_from_even[0].hypot(self.apart_from_even[1]) > WARM * limit + leans
     }
 }
 

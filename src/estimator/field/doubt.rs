@@ -114,7 +114,8 @@ impl FieldEstimator {
             lean::settle(&mut self.state, self.tuning.lean.0);
         }
         let keep = (-dt_s / REMEMBERED_S).exp();
-        self.state.x[LEAN..LEAN + 2].iter_mut().for_each(|lean| *lean *= keep);
+        let s = &mut self.state;
+        s.x[LEAN..LEAN + 2].iter_mut().chain(&mut s.lean_mean).for_each(|lean| *lean *= keep);
     }
 
     /// How far the attitude may be off by a lean that is not expected, and that what tells of it has not ruled out yet; by

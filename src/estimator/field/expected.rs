@@ -10,7 +10,7 @@ use std::ops::Range;
 /// The most states that can be asked about.
 const MOST: usize = 2 * MAX_SENSORS;
 
-/// What some states would be had more been expected of them, by what was said so far.
+/// What some states would be, less what they are expected about, had more been expected of them, by what was said so far.
 #[derive(Clone, Copy, Debug)]
 pub struct IfExpected {
     /// Their values: as many as there are such states.
@@ -24,13 +24,14 @@ pub struct IfExpected {
 }
 
 impl IfExpected {
-    /// Had a variance of `large` been expected of each of `states` (no more than two for each of [`MAX_SENSORS`]) where it
-    /// was `was`; none where more was expected, or nothing at all is.
-    pub fn of(state: &State, states: Range<usize>, (was, large): (f64, f64)) -> Option<Self> {
+    /// Had a variance of `large` about `means` (0 where there is none) been expected of each of `states` (no more than two for
+    /// each of [`MAX_SENSORS`]) where it was `was`; none where more was expected, or nothing at all is.
+    pub fn of(state: &State, states: Range<usize>, means: &[f64], (was, large): (f64, f64)) -> Option<Self> {
         let n = states.len();
         let mut made = Self { x: [0.0; MOST], p: [[0.0; MOST]; MOST], likelier: 0.0, unlikely: 0.0 };
         let Self { x, p, likelier, unlikely } = &mut made;
         x[..n].copy_from_slice(&state.x[states.clone()]);
+        x.iter_mut().zip(means).for_each(|(x, mean)| *x -= mean);
         p.iter_mut().zip(&state.p[states.clone()]).for_each(|(p, row)| p[..n].copy_from_slice(&row[states.clone()]));
         for i in 0..n {
             let (mean, variance) = (x[i], p[i][i]);
@@ -45,13 +46,14 @@ impl IfExpected {
     }
 }
 
-/// Expects a variance of `large` of each of `states` from now on where it was `was`, and of what was said so far too.
-pub fn expect(state: &mut State, states: Range<usize>, (was, large): (f64, f64)) {
+/// Expects a variance of `large` about `means` of each of `states` from now on where it was `was`, and of what was said so far
+/// too.
+pub fn expect(state: &mut State, states: Range<usize>, means: &[f64], (was, large): (f64, f64)) {
     let n = state.size();
-    for i in states {
+    for (k, i) in states.enumerate() {
         if let Some(taken) = negative(state.p[i][i], was, large) {
             let ph: [f64; MAX] = state.p[i];
-            let mean = state.x[i];
+            let mean = state.x[i] - means.get(k).unwrap_or(&0.0);
             gain(&mut state.x, &mut state.p, n, &ph, ph[i] + taken, -mean);
         }
     }

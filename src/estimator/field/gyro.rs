@@ -156,9 +156,14 @@ impl Gyro {
 
     /// The newest rates, rad/s on nose, left, up, while it is believed: also in frames that nothing begins with.
     pub fn newest(&self) -> Option<Vector> {
+        self.said().filter(|_| !self.is_distrusted())
+    }
+
+    /// The same, whether it is believed or not.
+    pub fn said(&self) -> Option<Vector> {
         let slow = self.interval_s.is_some_and(|s| s > SLOW_S.1);
         let fresh = |at: Time| (0.0..AGE_S).contains(&self.now.since(at));
-        self.last.filter(|(_, at)| fresh(*at) && !slow && !self.is_doubted()).map(|(rates, _)| rates)
+        self.last.filter(|(_, at)| fresh(*at) && !slow && !self.is_stuck()).map(|(rates, _)| rates)
     }
 
     /// Whether there are rates.

@@ -15,9 +15,9 @@ const SURE: f64 = 7.0;
 /// The share of flights in which the horizon leans.
 const LEANING: f64 = 0.2;
 
-/// What the leans would be had a standard deviation of `large` (rad) been expected of them; none where more was.
+/// What the leans would be, beside what was known of them, had a standard deviation of `large` (rad) been expected of them; none where more was.
 fn if_expected(state: &State, large: f64) -> Option<IfExpected> {
-    IfExpected::of(state, LEAN..LEAN + 2, (state.lean2, large * large))
+    IfExpected::of(state, LEAN..LEAN + 2, &state.lean_mean, (state.lean2, large * large))
 }
 
 /// Whether leans of standard deviation `large` (rad) explain what was said so far better than the ones that were expected.
@@ -41,7 +41,8 @@ pub fn unexpected(state: &State, large: f64) -> [f64; 2] {
 
 /// Expects leans of standard deviation `large` (rad) from now on, and of what was said so far too.
 pub fn expect(state: &mut State, large: f64) {
-    expected::expect(state, LEAN..LEAN + 2, (state.lean2, large * large));
+    let mean = state.lean_mean;
+    expected::expect(state, LEAN..LEAN + 2, &mean, (state.lean2, large * large));
     state.lean2 = large * large;
 }
 
@@ -52,7 +53,7 @@ pub fn settle(state: &mut State, small: f64) {
         let ph: [f64; MAX] = state.p[i];
         gain(&mut state.x, &mut state.p, n, &ph, ph[i] + small * small, 0.0);
     }
-    state.lean2 = small * small;
+    (state.lean2, state.lean_mean) = (small * small, [state.x[LEAN], state.x[LEAN + 1]]);
 }
 
 /// A horizon that leans by `lean` (rad) may have been taken for an attitude, and that for an offset of the slow
@@ -168,6 +169,27 @@ mod tests {
         state.correct(&[(TURN + 1, 1.0)], 0.0 - state.x[TURN + 1], 1e-6);
         let left = state.p[LEAN][LEAN] / lean;
         assert!(state.x[LEAN] > 0.01 && left < 0.2 && state.is_sound(), "{left}");
+    }
+
+    /// What has been told of a lean speaks for no other one once it is taken for known.
+    #[test]
+    fn a_lean_that_is_known_is_no_wonder() {
+        let mut state = told(1.2, &around(1.0));
+        let lean = state.x[LEAN];
+        settle(&mut state, 0.05);
+        assert!(lean > 0.5 && (state.x[LEAN] - lean).abs() < 1e-9 && !shows(&state, 1.2));
+        let sigma = unexpected(&state, 1.2).map(f64::sqrt);
+        assert!(sigma.iter().all(|s| *s < 1.2), "{sigma:?}");
+        // Nor does it once it has been seen to be there as before; had it gone, that would show.
+        for (north, gone) in [(lean, false), (lean - 1.0, true)] {
+            let mut later = state.clone();
+            for i in 0..12 {
+                let h = [(LEAN, f64::from(i).cos()), (LEAN + 1, f64::from(i).sin())];
+                let innovation = north * h[0].1 - h.iter().map(|(i, c)| c * later.x[*i]).sum::<f64>();
+                later.correct(&h, innovation, 0.01);
+            }
+            assert_eq!(shows(&later, 1.2), gone, "{north}");
+        }
     }
 
     /// As without a gyro.

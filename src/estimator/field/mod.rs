@@ -93,7 +93,7 @@ use noise::NoiseLevel;
 use predict::{Pace, predict};
 use rates::{correction, rates};
 use scene::SceneStrength;
-use state::{CONTRAST, State};
+use state::{CONTRAST, LEAN, State};
 use stuck::Stuck;
 use turns::Turns;
 use witness::Witnesses;
@@ -339,12 +339,13 @@ impl Estimator for FieldEstimator {
         self.sides.carry(self.turning().filter(|_| dt_s < GAP_S).map(|rates| rates.map(|r| r * dt_s)));
         // What one sensor does must not be taken for the attitude, or for the gyro.
         let hidden = self.gyro.in_use().then(|| self.hidden(self.scene.seen_k()));
-        let against = self.misfit.is_lost(self.state.x[CONTRAST], hidden) && !self.undecided(now);
+        let leans = if self.told { self.state.x[LEAN].hypot(self.state.x[LEAN + 1]) } else { 0.0 };
+        let against = self.misfit.is_lost(self.state.x[CONTRAST], leans, hidden) && !self.undecided(now);
         self.lost_s = if against { self.lost_s + dt_s.clamp(0.0, 1.0) } else { 0.0 };
         let lost = self.lost_s > LOST_S;
         if lost {
             self.gyro.distrust();
-            self.carried = Carried::default();
+            self.carried.doubt();
         }
         // A wall is still there when it begins anew.
         let hides = if lost { self.may_hide() } else { 0.0 };

@@ -66,7 +66,9 @@ pub struct State {
     pub p: [[f64; MAX]; MAX],
     /// The variance that each lean was expected to have, with what its walk has added, rad².
     pub lean2: f64,
-    /// The same of a gyro's axes, rad².
+    /// What leans are expected about: what is known of them, rad up to north and west.
+    pub lean_mean: [f64; 2],
+    /// The variance of a gyro's axes, rad².
     pub askew2: f64,
     /// The same of what each sensor shows too much, K²; zero while nothing is learnt of it.
     pub error2: f64,
@@ -97,6 +99,7 @@ impl State {
             off: [0.0; MAX_SENSORS],
             p: [[0.0; MAX]; MAX],
             lean2: 0.0,
+            lean_mean: [0.0; 2],
             askew2: 0.0,
             error2: 0.0,
             beneath: beneath::LEAST,
@@ -223,6 +226,7 @@ impl State {
         let turned = |north: f64, west: f64| (cos * north + sin * west, cos * west - sin * north);
         let n = self.size();
         (self.x[LEAN], self.x[LEAN + 1]) = turned(self.x[LEAN], self.x[LEAN + 1]);
+        self.lean_mean = turned(self.lean_mean[0], self.lean_mean[1]).into();
         for j in 0..n {
             (self.p[LEAN][j], self.p[LEAN + 1][j]) = turned(self.p[LEAN][j], self.p[LEAN + 1][j]);
         }
