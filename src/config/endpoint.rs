@@ -40,12 +40,14 @@ pub fn read<'a>(mavlink: &mut Section<'a>, findings: &Findings<'a>, rate_hz: f64
     read.into_iter().map(|(_, e)| e).collect()
 }
 
-/// Whether one of them leaves no place for the other. Who listens at every address of this machine does so at each.
+/// Whether one of them leaves no place for the other. Who listens at every address of this machine does so at each, and
+/// a serial port has one rate at a time.
 fn collide(a: &EndpointAddress, b: &EndpointAddress) -> bool {
-    use EndpointAddress::{TcpIn, UdpIn};
+    use EndpointAddress::{Serial, TcpIn, UdpIn};
     let every = |all: &SocketAddr, one: &SocketAddr| all.ip().is_unspecified() && (all.is_ipv6() || one.is_ipv4());
     match (a, b) {
         (UdpIn(a), UdpIn(b)) | (TcpIn(a), TcpIn(b)) => a == b || a.port() == b.port() && (every(a, b) || every(b, a)),
+        (Serial { path: a, .. }, Serial { path: b, .. }) => a == b,
         _ => a == b,
     }
 }
