@@ -53,7 +53,8 @@ pub struct Errors {
     larger_deg: Vec<f64>,
     underestimated_deg: Vec<f64>,
     covered: [u64; 3],
-    with_sigma: u64,
+    /// Whether any row had a standard deviation of roll, of pitch.
+    with_sigma: [bool; 2],
 }
 
 /// Sum and sum of squares.
@@ -95,7 +96,8 @@ pub struct Score {
     pub underestimated_p99_deg: Option<f64>,
     /// The worst one.
     pub underestimated_worst_deg: Option<f64>,
-    /// Errors of roll within twice the standard deviation, %. A row without one is not within.
+    /// Errors of roll within twice the standard deviation, %. A row without one is not within; where none has one,
+    /// nothing is said.
     pub roll_in_2_sigma_percent: Option<f64>,
     /// Errors of pitch, likewise.
     pub pitch_in_2_sigma_percent: Option<f64>,
@@ -125,7 +127,9 @@ impl Errors {
         for (count, covered) in self.covered.iter_mut().zip([in_roll, in_pitch, in_roll && in_pitch]) {
             *count += u64::from(covered);
         }
-        self.with_sigma += u64::from(said.roll_sigma_deg.or(said.pitch_sigma_deg).is_some());
+        for (any, sigma) in self.with_sigma.iter_mut().zip([said.roll_sigma_deg, said.pitch_sigma_deg]) {
+            *any |= sigma.is_some_and(|s| !s.is_nan());
+        }
     }
 
     /// Whether no row has come.
@@ -139,7 +143,8 @@ impl Errors {
         self.larger_deg.sort_by(f64::total_cmp);
         self.underestimated_deg.sort_by(f64::total_cmp);
         let of_rows = |value: f64| (rows > 0).then(|| value / rows as f64);
-        let covered = |i: usize| of_rows(100.0 * self.covered[i] as f64).filter(|_| self.with_sigma > 0);
+        let [roll, pitch] = self.with_sigma;
+        let covered = |i: usize, known: bool| of_rows(100.0 * self.covered[i] as f64).filter(|_| known);
         let all = rows + self.withheld;
         Score {
             rows,
@@ -153,9 +158,9 @@ impl Errors {
             error_p99_deg: percentile(&self.larger_deg, 99.0),
             underestimated_p99_deg: percentile(&self.underestimated_deg, 99.0),
             underestimated_worst_deg: self.underestimated_deg.last().copied(),
-            roll_in_2_sigma_percent: covered(0),
-            pitch_in_2_sigma_percent: covered(1),
-            both_in_2_sigma_percent: covered(2),
+            roll_in_2_sigma_percent: covered(0, roll),
+            pitch_in_2_sigma_percent: covered(1, pitch),
+            both_in_2_sigma_percent: covered(2, roll && pitch),
         }
     }
 }

@@ -65,6 +65,23 @@ fn an_error_is_covered_up_to_twice_its_sigma() {
 }
 
 #[test]
+fn nothing_is_said_of_a_sigma_that_no_row_has() {
+    let truth = Truth { roll_deg: 0.0, pitch_deg: 0.0 };
+    for (roll, pitch, expected) in [
+        (Some(1.0), None, [Some(0.0), None, None]),
+        (Some(1.0), Some(f64::NAN), [Some(0.0), None, None]),
+        (None, Some(2.0), [None, Some(100.0), None]),
+        (None, None, [None; 3]),
+    ] {
+        let mut errors = Errors::default();
+        errors.add(truth, Some(Said { roll_sigma_deg: roll, pitch_sigma_deg: pitch, ..said(-3.0, 4.0) }));
+        let s = errors.score();
+        let covered = [s.roll_in_2_sigma_percent, s.pitch_in_2_sigma_percent, s.both_in_2_sigma_percent];
+        assert_eq!(covered, expected, "{roll:?} {pitch:?}");
+    }
+}
+
+#[test]
 fn what_is_no_number_counts_as_withheld() {
     let truth = Truth { roll_deg: 25.0, pitch_deg: 0.0 };
     let mut errors = Errors::default();
