@@ -84,6 +84,24 @@ pub fn allowed(head: &Head, method: Method) -> Result<Method, CtlError> {
     if method.suits(head) { Ok(method) } else { Err(refusal) }
 }
 
+/// What a frame gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Given {
+    /// An attitude of its own.
+    New(Attitude),
+    /// No attitude.
+    Withheld,
+    /// Nothing: the attitude is that of a frame before.
+    Nothing,
+}
+
+impl Given {
+    /// The attitude, if there is a new one.
+    pub fn attitude(self) -> Option<Attitude> {
+        if let Self::New(attitude) = self { Some(attitude) } else { None }
+    }
+}
+
 /// Tells new estimates from those that a frame left as they were.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Fresh {
@@ -91,11 +109,15 @@ pub struct Fresh {
 }
 
 impl Fresh {
-    /// The attitude that `estimate` gives anew. A frame that the pipeline makes nothing of leaves
-    /// the estimate as it was: not to be shown under a new time.
-    pub fn take(&mut self, estimate: &Estimate) -> Option<Attitude> {
+    /// What `estimate` gives anew. A frame that the pipeline makes nothing of leaves the estimate as
+    /// it was: not to be shown under a new time.
+    pub fn take(&mut self, estimate: &Estimate) -> Given {
         let fresh = self.stamp.replace(estimate.valid_at) != Some(estimate.valid_at);
-        estimate.attitude.filter(|_| fresh)
+        match estimate.attitude {
+            None => Given::Withheld,
+            Some(attitude) if fresh => Given::New(attitude),
+            Some(_) => Given::Nothing,
+        }
     }
 }
 
@@ -106,14 +128,16 @@ mod tests {
     #[test]
     fn an_attitude_is_given_once_for_each_stamp() {
         let mut fresh = Fresh::default();
-        let mut estimate = Estimate { attitude: Some(Attitude::default()), ..Estimate::default() };
-        assert!(fresh.take(&estimate).is_some());
-        assert!(fresh.take(&estimate).is_none());
+        let attitude = Attitude::default();
+        let mut estimate = Estimate { attitude: Some(attitude), ..Estimate::default() };
+        assert_eq!(fresh.take(&estimate), Given::New(attitude));
+        assert_eq!(fresh.take(&estimate), Given::Nothing);
         estimate.valid_at = Time::from_nanos(1);
-        assert!(fresh.take(&estimate).is_some());
-        estimate.valid_at = Time::from_nanos(2);
+        assert_eq!(fresh.take(&estimate), Given::New(attitude));
         estimate.attitude = None;
-        assert!(fresh.take(&estimate).is_none());
+        assert_eq!(fresh.take(&estimate), Given::Withheld);
+        estimate.valid_at = Time::from_nanos(2);
+        assert_eq!(fresh.take(&estimate), Given::Withheld);
     }
 
     #[test]

@@ -2,11 +2,11 @@
 
 use super::error::CtlError;
 use super::kit::Kit;
-use super::opening::{Fresh, Opened, allowed, create, open, tell_tally, with_method};
+use super::opening::{Fresh, Given, Opened, allowed, create, open, tell_tally, with_method};
 use super::recording_args::{PlotArgs, PlotCommand};
 use super::run::print;
 use super::score::statistics::{Errors, Said, Score, Truth, wrapped};
-use crate::attitude::{Attitude, Estimate};
+use crate::attitude::Estimate;
 use crate::frame::{Aiding, Frame};
 use crate::head::Head;
 use crate::plot::flight::{Flight, Row};
@@ -23,8 +23,9 @@ pub fn command(what: &PlotCommand, kit: &Kit, out: &mut dyn Write, err: &mut dyn
         PlotCommand::Flight(args) => {
             let mut flight = Flight::default();
             let pass = replay(args, kit, err, |shown| {
-                let Shown { time_s, attitude, estimate, reference: r } = shown;
-                flight.add(Row { time_s, attitude, estimate, reference_deg: [r.roll_deg, r.pitch_deg] });
+                let Shown { time_s, given, estimate, reference: r } = shown;
+                let (attitude, nothing_new) = (given.attitude(), given == Given::Nothing);
+                flight.add(Row { time_s, attitude, nothing_new, estimate, reference_deg: [r.roll_deg, r.pitch_deg] });
             })?;
             if flight.is_empty() {
                 return Err(nothing(args, &pass));
@@ -35,10 +36,13 @@ pub fn command(what: &PlotCommand, kit: &Kit, out: &mut dyn Write, err: &mut dyn
             let mut residuals = Residuals::default();
             let mut all = Errors::default();
             let pass = replay(args, kit, err, |shown| {
-                let both = shown.both();
-                residuals.add(shown.time_s, both.map(|(truth, said)| errors(truth, said)));
-                if let Some((truth, said)) = both {
+                if let Some((truth, said)) = shown.both() {
+                    residuals.add(shown.time_s, Some(errors(truth, said)));
                     all.add(truth, Some(said));
+                } else if shown.given == Given::Withheld {
+                    residuals.add(shown.time_s, None);
+                } else {
+                    residuals.pass(shown.time_s);
                 }
             })?;
             if let Some(column) = pass.lacks_reference {
@@ -56,7 +60,7 @@ pub fn command(what: &PlotCommand, kit: &Kit, out: &mut dyn Write, err: &mut dyn
 /// A row that is drawn.
 struct Shown<'a> {
     time_s: f64,
-    attitude: Option<Attitude>,
+    given: Given,
     estimate: &'a Estimate,
     reference: Reference,
 }
@@ -65,7 +69,7 @@ impl Shown<'_> {
     /// What holds and what was estimated, where there are both.
     fn both(&self) -> Option<(Truth, Said)> {
         let truth = Truth { roll_deg: self.reference.roll_deg?, pitch_deg: self.reference.pitch_deg? };
-        Some((truth, Said::new(self.attitude?, self.estimate.sigma)))
+        Some((truth, Said::new(self.given.attitude()?, self.estimate.sigma)))
     }
 }
 
@@ -94,11 +98,11 @@ fn replay(args: &PlotArgs, kit: &Kit, err: &mut dyn Write, mut show: impl FnMut(
             frame.aiding = Aiding::default();
         }
         pipeline(&frame, &mut estimate);
-        let attitude = fresh.take(&estimate);
+        let given = fresh.take(&estimate);
         let time_s = frame.time.as_secs_f64();
         times_s = Some((times_s.map_or(time_s, |(first, _)| first), time_s));
         if wanted.contains(&time_s) {
-            show(Shown { time_s, attitude, estimate: &estimate, reference: reader.reference() });
+            show(Shown { time_s, given, estimate: &estimate, reference: reader.reference() });
         }
     }
     tell_tally(&reader, err);

@@ -62,7 +62,7 @@ pub fn replay<R: BufRead>(
         if summary.frames == 0 {
             line.push_str(HEADER);
         }
-        row(&frame, &estimate, fresh.take(&estimate), &head, &mut line);
+        row(&frame, &estimate, fresh.take(&estimate).attitude(), &head, &mut line);
         out.write_all(line.as_bytes()).map_err(Stop::Write)?;
         summary.frames += 1;
         summary.modes[estimate.mode as usize] += 1;

@@ -27,6 +27,8 @@ pub struct Row<'a> {
     pub time_s: f64,
     /// The attitude that it gives, if it gives one.
     pub attitude: Option<Attitude>,
+    /// Whether it says nothing of attitude at all, so that the lines go on past it.
+    pub nothing_new: bool,
     /// Everything else that is said.
     pub estimate: &'a Estimate,
     /// Roll and pitch of the reference, °.
@@ -60,8 +62,10 @@ impl Flight {
         for (i, angle) in self.angles.iter_mut().enumerate() {
             let pick = |a: Attitude| [a.roll, a.pitch][i].to_degrees();
             let value = row.attitude.map(pick);
-            angle.estimate.add_value(t, value);
-            angle.band.add(t, value.map(|v| (v - 2.0 * pick(sigma), v + 2.0 * pick(sigma))));
+            if !row.nothing_new {
+                angle.estimate.add_value(t, value);
+                angle.band.add(t, value.map(|v| (v - 2.0 * pick(sigma), v + 2.0 * pick(sigma))));
+            }
             // A reference that comes less often has no gaps for that.
             if row.reference_deg[i].is_some() {
                 angle.reference.add_value(t, row.reference_deg[i]);
@@ -148,7 +152,8 @@ mod tests {
             }
             let reference_deg = [Some(10.0), None];
             let time_s = 1000.0 + f64::from(i) * 0.02;
-            flight.add(Row { time_s, attitude: estimate.attitude, estimate: &estimate, reference_deg });
+            let attitude = estimate.attitude;
+            flight.add(Row { time_s, attitude, nothing_new: false, estimate: &estimate, reference_deg });
         }
         flight.draw("a <flight>", "", &Head::six())
     }
@@ -160,6 +165,22 @@ mod tests {
         assert!(svg.contains("a &lt;flight&gt;") && svg.contains(">sensor-lost:tail<"));
         assert!(svg.contains("roll, reference") && !svg.contains("pitch, reference"));
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn only_a_withheld_attitude_breaks_the_lines() {
+        let mut flight = Flight::default();
+        let estimate = Estimate::default();
+        let level = Some(Attitude::default());
+        let rows = [(level, false), (None, true), (level, false), (None, false), (level, false)];
+        for (time_s, (attitude, nothing_new)) in (0_u8..).map(f64::from).zip(rows) {
+            flight.add(Row { time_s, attitude, nothing_new, estimate: &estimate, reference_deg: [None; 2] });
+        }
+        for angle in &flight.angles {
+            for line in [&angle.estimate, &angle.band] {
+                assert_eq!(line.runs().map(<[_]>::len).collect::<Vec<_>>(), [2, 1]);
+            }
+        }
     }
 
     #[test]

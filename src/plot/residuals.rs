@@ -7,8 +7,7 @@ use super::flight::{BETWEEN, LEFT, SHEET, TIME, TOP, WIDTH, angle_axis};
 use super::style::ESTIMATE;
 use super::svg::{Area, Svg};
 
-/// A row's errors and standard deviations, of roll and pitch, °; nothing where attitude is withheld
-/// or there is no reference.
+/// A row's errors and standard deviations, of roll and pitch, °; nothing where attitude is withheld.
 pub type Errors = Option<[(f64, f64); 2]>;
 
 /// The errors of a flight.
@@ -20,9 +19,14 @@ pub struct Residuals {
 }
 
 impl Residuals {
+    /// Takes in a row of which nothing is known, in the order of time: the lines go on past it.
+    pub fn pass(&mut self, time_s: f64) {
+        self.times_s = Some((self.times_s.map_or(time_s, |(first, _)| first), time_s));
+    }
+
     /// Takes in a row, in the order of time.
     pub fn add(&mut self, time_s: f64, errors: Errors) {
-        self.times_s = Some((self.times_s.map_or(time_s, |(first, _)| first), time_s));
+        self.pass(time_s);
         for (i, (line, band)) in self.errors.iter_mut().zip(&mut self.bands).enumerate() {
             let of = errors.map(|e| e[i]);
             line.add_value(time_s, of.map(|(error, _)| error));
@@ -59,6 +63,22 @@ impl Residuals {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_row_of_which_nothing_is_known_breaks_no_line() {
+        let mut residuals = Residuals::default();
+        let errors = Some([(1.0, 1.0), (2.0, 1.0)]);
+        residuals.pass(0.0);
+        residuals.add(1.0, errors);
+        residuals.pass(2.0);
+        residuals.add(3.0, errors);
+        residuals.add(4.0, None);
+        residuals.add(5.0, errors);
+        assert_eq!(residuals.times_s, Some((0.0, 5.0)));
+        for line in residuals.errors.iter().chain(&residuals.bands) {
+            assert_eq!(line.runs().map(<[_]>::len).collect::<Vec<_>>(), [2, 1]);
+        }
+    }
 
     #[test]
     fn errors_of_no_number_are_gaps() {

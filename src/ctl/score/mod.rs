@@ -70,7 +70,7 @@ impl Runner {
 
     fn step(&mut self, frame: &Frame, truth: Option<Truth>) {
         (self.pipeline)(frame, &mut self.estimate);
-        let given = self.fresh.take(&self.estimate);
+        let given = self.fresh.take(&self.estimate).attitude();
         if let Some(truth) = truth {
             let said = given.map(|a| Said::new(a, self.estimate.sigma));
             self.errors.add(truth, said);
