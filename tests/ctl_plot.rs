@@ -82,12 +82,18 @@ fn a_part_goes_to_a_file_but_never_over_the_recording() {
 fn what_cannot_be_drawn_is_said_in_one_line() {
     let bare = file("plain.csv", "time_s,nose_obj_c\n0,1\n");
     let none = file("none.csv", "time_s,nose_obj_c\n");
+    // The first attitude has no reference, and the row with a reference gives none.
+    let header = "time_s,nose_obj_c,tail_obj_c,left_obj_c,right_obj_c,up_obj_c,down_obj_c,ref_roll_deg,ref_pitch_deg\n";
+    let apart = file("apart.csv", &format!("{header}0.123456,0,0,0,0,-20,15,,\n0.5,0,0,0,0,,15,1,1\n"));
     for (args, words) in [
         (["flight", "/nowhere.csv"].as_slice(), "opening the recording /nowhere.csv"),
         (&["flight", &none], "is left to draw: it has no usable row"),
         (&["flight", FLIGHT, "--from", "120", "--to", "110"], "its times are 100 to 129.75 s; see --from and --to"),
         (&["residuals", &bare], "plain.csv has no column ref_roll_deg"),
-        (&["residuals", FLIGHT, "--to", "50"], "is left to draw"),
+        (&["residuals", FLIGHT, "--to", "50"], "is left to draw: its times are 100 to 129.75 s"),
+        (&["residuals", &apart], "none of the 2 rows of "),
+        (&["residuals", &apart], "has both an attitude and a reference"),
+        (&["residuals", &apart, "--from", "9"], "its times are 0.12 to 0.5 s; see --from and --to"),
         (&["flight", FLIGHT, "--output", "/dev/full"], "writing /dev/full failed: No space left"),
         (&["report", "--output-dir", "/dev/null/figures"], "writing /dev/null/figures failed: Not a directory"),
     ] {

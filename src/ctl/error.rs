@@ -121,6 +121,14 @@ pub enum CtlError {
         /// The times of its first and last row, s.
         times_s: Option<(f64, f64)>,
     },
+    /// No row that is left has an error to draw.
+    #[error("none of the {rows} rows of {path} that are left to draw has both an attitude and a reference")]
+    NoErrors {
+        /// The recording.
+        path: PathBuf,
+        /// Its usable rows within the times asked for.
+        rows: u64,
+    },
     /// Two of what is scored have one name.
     #[error("two are called {0}: give each --beside a name of its own, and none a method's that is scored")]
     SameName(String),
@@ -179,7 +187,10 @@ fn because(faults: &[String]) -> String {
 fn between(times_s: Option<(f64, f64)>) -> String {
     match times_s {
         None => ": it has no usable row".to_owned(),
-        Some((first, last)) => format!(": its times are {first} to {last} s; see --from and --to"),
+        Some((first, last)) => {
+            let [first, last] = [first, last].map(|s| (100.0 * s).round() / 100.0);
+            format!(": its times are {first} to {last} s; see --from and --to")
+        }
     }
 }
 

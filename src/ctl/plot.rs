@@ -49,7 +49,8 @@ pub fn command(what: &PlotCommand, kit: &Kit, out: &mut dyn Write, err: &mut dyn
                 return Err(CtlError::NoReference { path: args.recording.file.clone(), column });
             }
             if residuals.is_empty() {
-                return Err(nothing(args, &pass));
+                let no_errors = |rows| CtlError::NoErrors { path: args.recording.file.clone(), rows };
+                return Err(if pass.shown == 0 { nothing(args, &pass) } else { no_errors(pass.shown) });
             }
             finish(args, &residuals.draw(&title(args), &remark(&pass.method, &all.score())), out)
         }
@@ -80,6 +81,8 @@ struct Pass {
     lacks_reference: Option<&'static str>,
     /// The first and the last row's time, s.
     times_s: Option<(f64, f64)>,
+    /// Rows that are drawn.
+    shown: u64,
 }
 
 /// Runs the recording through the pipeline; `show` gets the rows that are drawn.
@@ -91,7 +94,7 @@ fn replay(args: &PlotArgs, kit: &Kit, err: &mut dyn Write, mut show: impl FnMut(
     }
     let mut pipeline = (kit.pipeline)(&settings, &head);
     let (mut frame, mut estimate, mut fresh) = (Frame::default(), Estimate::default(), Fresh::default());
-    let mut times_s = None;
+    let (mut times_s, mut shown) = (None, 0);
     let wanted = args.from.unwrap_or(f64::NEG_INFINITY)..=args.to.unwrap_or(f64::INFINITY);
     while reader.next_frame(&mut frame)? {
         if args.recording.no_aiding {
@@ -102,12 +105,13 @@ fn replay(args: &PlotArgs, kit: &Kit, err: &mut dyn Write, mut show: impl FnMut(
         let time_s = frame.time.as_secs_f64();
         times_s = Some((times_s.map_or(time_s, |(first, _)| first), time_s));
         if wanted.contains(&time_s) {
+            shown += 1;
             show(Shown { time_s, given, estimate: &estimate, reference: reader.reference() });
         }
     }
     tell_tally(&reader, err);
     let method = format!("method {}", settings.estimator.method_for(&head).as_str());
-    Ok(Pass { method, head, lacks_reference: reader.lacks_reference(), times_s })
+    Ok(Pass { method, head, lacks_reference: reader.lacks_reference(), times_s, shown })
 }
 
 fn errors(truth: Truth, said: Said) -> [(f64, f64); 2] {
