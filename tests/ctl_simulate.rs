@@ -48,9 +48,12 @@ fn options_change_what_they_name() {
     assert!(
         ["gyro_y_deg_s", "airspeed_m_s", "altitude_m"].iter().all(|n| column(&out, n).iter().all(|c| c.is_empty()))
     );
-    let [random, scripted] = [&[][..], &["--scripted"]]
-        .map(|more| column(&simulate(&[&["clear-dry", "--seconds", "10"], more].concat()).1, "ref_roll_deg").join(" "));
-    assert_ne!(random, scripted);
+    for (scenario, has_a_script) in [("clear-dry", false), ("inverted", true), ("aerobatics", true)] {
+        let [without, scripted] = [&[][..], &["--scripted"]].map(|more| {
+            column(&simulate(&[&[scenario, "--seconds", "10"], more].concat()).1, "ref_roll_deg").join(" ")
+        });
+        assert_eq!(without == scripted, has_a_script, "{scenario}");
+    }
 }
 
 #[test]

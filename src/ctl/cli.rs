@@ -180,7 +180,7 @@ pub struct SimulateArgs {
     /// Scans a second, 1 to 200
     #[arg(long, default_value_t = 50.0, value_parser = rate, allow_negative_numbers = true)]
     pub rate: f64,
-    /// Fly the demonstration's script instead of turns by chance
+    /// Fly the demonstration's script instead of turns by chance; inverted and aerobatics fly their own anyway
     #[arg(long)]
     pub scripted: bool,
     /// Leave out gyro, GPS and airspeed

@@ -102,7 +102,7 @@ complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand simulate" -l f
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand simulate" -l output -d 'Where the recording goes; standard output when not given' -r -F
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand simulate" -l bus -d 'The D-Bus bus the daemon is on: system, session, or an address such as unix:path=/run/bus' -r
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand simulate" -l list -d 'Say what the scenarios are'
-complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand simulate" -l scripted -d 'Fly the demonstration\'s script instead of turns by chance'
+complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand simulate" -l scripted -d 'Fly the demonstration\'s script instead of turns by chance; inverted and aerobatics fly their own anyway'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand simulate" -l no-aiding -d 'Leave out gyro, GPS and airspeed'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand simulate" -l differential -d 'Three pairs in volts instead of six temperatures'
 complete -c irhorizonctl -n "__fish_irhorizonctl_using_subcommand simulate" -s h -l help -d 'Print help'
