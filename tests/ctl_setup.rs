@@ -118,7 +118,9 @@ fn the_trim_is_measured_saved_and_brought_back() {
     let (code, out, err) = ctl(&format!("{line} --dry-run"));
     assert_eq!(code, 0, "{err}");
     assert!(err.contains("hold or put the aircraft level"), "{err}");
-    assert!(out.contains("roll   shown +1.50° ± 0.0") && out.contains("trim +0.50° → +2.00°"), "{out}");
+    assert!(out.contains("roll   shown +1.50°, scatter ±0.0") && out.contains("trim +0.50° → +2.00°"), "{out}");
+    // The daemon's own doubt stands beside the scatter, which is not the error.
+    assert!(out.contains("°, σ 0.80°; trim +0.50°") && out.contains("°, σ 0.90°; trim +0.00°"), "{out}");
     assert!(!folder.path("irhorizon.toml.d").exists() && RELOADS.get() == 0);
 
     let (code, out, err) = ctl(&line);

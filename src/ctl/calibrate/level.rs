@@ -38,6 +38,8 @@ pub struct Level {
     pub roll: Mean,
     /// Pitch shown, °.
     pub pitch: Mean,
+    /// The largest standard deviations that the daemon gave with them, of roll and pitch, °.
+    pub sigma_deg: [Option<f64>; 2],
     /// The trim by which they were shown, °.
     pub before: Trim,
     /// The one that makes them zero, °.
@@ -70,6 +72,8 @@ impl Level {
                 });
             }
         }
+        let worst = |pick: fn(&Status) -> Option<f64>| looks.iter().filter_map(pick).reduce(f64::max);
+        let sigma_deg = [worst(|s| s.roll_sigma_deg), worst(|s| s.pitch_sigma_deg)];
         let before = first.trim;
         let trim = Attitude::from_degrees(before.roll_deg, before.pitch_deg);
         let seen = Attitude::from_degrees(roll.value, pitch.value);
@@ -84,18 +88,21 @@ impl Level {
         if largest > LARGEST_DEG {
             return Err(CalibrateError::NotLevel { trim_deg: largest, limit_deg: LARGEST_DEG });
         }
-        Ok(Self { roll, pitch, before, after })
+        Ok(Self { roll, pitch, sigma_deg, before, after })
     }
 }
 
 /// The trims, told and as configuration.
 pub(super) fn measure(looks: &[Status]) -> Result<Measured, CalibrateError> {
     let l = Level::of(looks)?;
-    let line = |what: &str, m: Mean, before: f64, after: f64| {
-        format!("{what:<6} shown {:+.2}° ± {:.2}°; trim {before:+.2}° → {after:+.2}°\n", zeroed(m.value), m.error)
+    let line = |what: &str, m: Mean, sigma_deg: Option<f64>, before: f64, after: f64| {
+        let (shown, scatter) = (zeroed(m.value), m.error);
+        let sigma = sigma_deg.map_or_else(|| "unknown".to_owned(), |s| format!("{s:.2}°"));
+        format!("{what:<6} shown {shown:+.2}°, scatter ±{scatter:.2}°, σ {sigma}; trim {before:+.2}° → {after:+.2}°\n")
     };
-    let told = line("roll", l.roll, l.before.roll_deg, l.after.roll_deg)
-        + &line("pitch", l.pitch, l.before.pitch_deg, l.after.pitch_deg);
+    let [roll_sigma, pitch_sigma] = l.sigma_deg;
+    let told = line("roll", l.roll, roll_sigma, l.before.roll_deg, l.after.roll_deg)
+        + &line("pitch", l.pitch, pitch_sigma, l.before.pitch_deg, l.after.pitch_deg);
     Ok(Measured { told, lines: trim::lines(l.after) })
 }
 
