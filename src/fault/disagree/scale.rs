@@ -1,6 +1,6 @@
 //! Roll that is always the same share of the bank that is flown: what all is divided by is wrong.
 
-use super::{FLYING, LASTS_S};
+use super::{FLYING, LASTS_S, STALE_S};
 use crate::attitude::Attitude;
 use crate::estimator::references::{Angle, STEEPEST};
 use crate::fault::debounce::Debounce;
@@ -75,8 +75,7 @@ impl Scale {
 
     /// Takes in that `attitude` is shown now.
     pub fn judge(&mut self, attitude: Attitude, now: Time) {
-        // Of the head and its sky, which are the same while nothing is heard.
-        let heard = self.heard.is_some_and(|at| (0.0..REMEMBERED_S).contains(&now.since(at)));
+        let heard = self.heard.is_some_and(|at| (0.0..STALE_S).contains(&now.since(at)));
         self.amiss.update(self.there && heard, now);
         let off = if self.amiss.is_active() { (self.factor - 1.0).abs() } else { 0.0 };
         self.doubt = Attitude { roll: off * attitude.roll.abs().min(FLYING.roll), pitch: off * attitude.pitch.abs() };
