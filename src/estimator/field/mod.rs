@@ -107,6 +107,8 @@ const CARRIED_S: (f64, f64) = (0.1, 1.0);
 const LOST_S: f64 = 0.5;
 /// What the scene might hide before that fades in this time, s.
 const HIDDEN_S: f64 = 10.0;
+/// No more than that, rad: a moment's glare is no wall, and so much is withheld anyhow.
+const MOST_HIDDEN: f64 = std::f64::consts::FRAC_PI_4;
 
 /// The estimator of method `field`. For absolute sensors, five at least; pairs' channels are taken as
 /// they come, three at least.
@@ -348,7 +350,7 @@ impl Estimator for FieldEstimator {
             self.carried.doubt();
         }
         // A wall is still there when it begins anew.
-        let hides = if lost { self.may_hide() } else { 0.0 };
+        let hides = if lost { self.may_hide().min(MOST_HIDDEN) } else { 0.0 };
         self.hidden_before = hides.max(self.hidden_before * (-dt_s.max(0.0) / HIDDEN_S).exp());
         if lost || contradicted || misjudged || !(0.0..GAP_S).contains(&dt_s) {
             let begun = self.begin(&self.lately(&readings, now), now);

@@ -23,7 +23,7 @@ const BEFORE_S: f64 = 60.0;
 const ELSE: f64 = 0.25;
 /// What should be shown is no colder and no warmer than the ground by more than so many times the contrast, or whoever says so
 /// is lost.
-const OF_THIS_WORLD: (f64, f64) = (1.5, 0.5);
+const OF_THIS_WORLD: (f64, f64) = (1.5, 0.4);
 /// A film leaves no more than such a share of how far die and scene are apart.
 const LEFT: f64 = 0.1;
 /// Where what should be shown changes by so much, K rms, a film loses such a share of it, least and most.
