@@ -215,6 +215,13 @@ mod tests {
     }
 
     #[test]
+    fn what_no_scene_has_is_no_reading() {
+        let absolute = |object_c| SensorKind::ABSOLUTE.kelvin(Value::Absolute { object_c, ambient_c: None });
+        assert_eq!([absolute(-119.0), absolute(124.0)], [Some(-119.0), Some(124.0)]);
+        assert_eq!([absolute(-121.0), absolute(125.0), absolute(300.0), absolute(f64::NAN)], [None; 4]);
+    }
+
+    #[test]
     fn six_sensors_make_three_pairs_with_the_signs_of_the_angles() {
         let head = Head::six();
         assert_eq!(head.pairs.len(), 3);

@@ -113,6 +113,34 @@ fn a_course_that_leaps_is_no_lean() {
     assert!(roll.max(pitch) <= 0.1 && score.error_p99_deg.unwrap() <= 0.35, "{score:?}");
 }
 
+/// A horizon that leans is known by GPS, which is silent then for a minute: that it leans still is no wonder when it is back.
+#[test]
+fn gps_that_comes_back_finds_the_lean_that_it_taught() {
+    let scenario = Scenario::named("patchwork").unwrap();
+    let flights = Flown::all(&scenario, 2);
+    let change = |frame: &mut Frame| {
+        let heard = !(90.0..150.0).contains(&frame.time.as_secs_f64());
+        leave(frame, [true, heard, heard]);
+    };
+    let widest_deg = RefCell::new(0.0_f64);
+    let watched = || {
+        let mut said = said(field(&scenario.head(), 0.1));
+        let widest_deg = &widest_deg;
+        move |frame: &Frame| {
+            let said = said(frame);
+            if let Some(said) = said.filter(|_| frame.time.as_secs_f64() > 60.0) {
+                let both = said.roll_sigma_deg.zip(said.pitch_sigma_deg);
+                let sigma_deg = both.map_or(f64::INFINITY, |(roll, pitch)| roll.max(pitch));
+                widest_deg.replace_with(|widest| widest.max(sigma_deg));
+            }
+            said
+        }
+    };
+    let score = score(&flights, change, watched);
+    println!("sigma up to {widest_deg:?}; {score:?}");
+    assert!(*widest_deg.borrow() < 10.0, "{widest_deg:?}");
+}
+
 /// Rates that come with every second scan, every fifth, every twelfth: rougher the rarer, said so by σ, and worse than none
 /// in no case.
 #[test]

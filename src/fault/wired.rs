@@ -103,6 +103,27 @@ mod tests {
         .collect()
     }
 
+    /// One reference says little, and is not heard for ever.
+    #[test]
+    fn a_gyro_tells_where_nothing_that_is_flown_does() {
+        let attitude = Attitude::from_degrees(20.0, 0.0);
+        let other = Otherwise { attitude: Attitude::from_degrees(-20.0, 0.0), angles: [true, false], left: 3.9 };
+        let solution = Solution { attitude: Some(attitude), wired: Some(other), ..Solution::default() };
+        let bank = |deg: f64| Some(Angle { angle: deg.to_radians(), sigma: 0.14, stays: 0.0, span_s: 1.0 });
+        for (seconds, acquitted) in [(1, false), (120, true)] {
+            let mut wired = Wired::default();
+            for s in 0..seconds {
+                let deg = 30.0 * (0.2 * f64::from(s)).sin();
+                wired.compare(Attitude::from_degrees(deg, 0.0), [bank(deg), None], at(f64::from(s)));
+            }
+            let last = f64::from(seconds);
+            wired.update(&solution, at(last));
+            assert_eq!(said(&wired), [], "while it is heard");
+            wired.update(&solution, at(last + 2.0 * STALE_S));
+            assert_eq!(said(&wired).is_empty(), acquitted, "{seconds} s");
+        }
+    }
+
     #[test]
     fn what_turns_the_other_way_round_is_told_and_doubted_by_all_that_it_may_be_off() {
         let attitude = Some(Attitude::from_degrees(170.0, 10.0));

@@ -76,15 +76,12 @@ impl Carried {
             anchor.drifted += drifts * dt_s;
         }
         self.anchors = self.anchors.map(|a| a.filter(|a| a.age_s < LONGEST_S));
+        self.doubted &= self.anchors.iter().any(Option::is_some);
     }
 
     /// The filter begins anew against its gyro: which of the two is right nobody knows until what is carried is old.
     pub fn doubt(&mut self) {
         self.doubted = true;
-    }
-
-    fn is_doubted(&self) -> bool {
-        self.doubted && self.anchors.iter().any(Option::is_some)
     }
 
     /// By how much the attitude given now parts from what is carried more than both are known to, rad.
@@ -94,7 +91,7 @@ impl Carried {
             angle - (SIGMAS * a.sigma.hypot(sigma) + a.drifted)
         };
         let most = self.anchors.iter().flatten().map(beyond).fold(0.0, f64::max);
-        if self.next_s <= 0.0 && most == 0.0 && self.bias.is_some() {
+        if self.next_s <= 0.0 && most == 0.0 && self.bias.is_some() && !self.doubted {
             self.anchors[self.at] = Some(Anchor { up, sigma, age_s: 0.0, drifted: 0.0 });
             self.at = (self.at + 1) % CARRIED;
             self.next_s = APART_S;
@@ -107,7 +104,7 @@ impl FieldEstimator {
     /// Takes in a gyro's rates, while it is believed, up to `now`; one that is proven also while nothing else is.
     pub(super) fn carry_on(&mut self, now: Time) {
         let unbegun = || self.gyro.newest().filter(|_| self.last.is_none() && self.turns.proven());
-        let doubted = || self.gyro.said().filter(|_| self.carried.is_doubted() && !self.turns.contradict());
+        let doubted = || self.gyro.said().filter(|_| self.carried.doubted && !self.turns.contradict());
         let Some(rates) = self.gyro.rates().or_else(unbegun).or_else(doubted) else {
             self.carried = Carried::default();
             return;
@@ -213,5 +210,22 @@ mod tests {
             carried.anchors[0].is_some()
                 && carried.bias.is_some_and(|(bias, known)| bias[0] == 0.01 && known < 1.01 * KNOWN)
         );
+    }
+
+    /// Which of the two was wrong nobody knows: σ holds by how much they part until that is old.
+    #[test]
+    fn a_filter_that_begins_anew_against_its_gyro_is_held_against_it() {
+        let mut carried = Carried::default();
+        parted_deg(&mut carried, 6.0, [0.0, 0.0, 0.0]);
+        carried.doubt();
+        let parts = |carried: &mut Carried, s: f64| {
+            carried.carry([0.0; 3], None, at(s));
+            carried.parts(up(30.0), sigma(1.0)).to_degrees()
+        };
+        assert!(parts(&mut carried, 6.02) > 20.0 && carried.doubted);
+        for i in 1..1500 {
+            parts(&mut carried, 6.02 + 0.02 * f64::from(i));
+        }
+        assert!(!carried.doubted);
     }
 }

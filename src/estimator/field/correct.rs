@@ -208,3 +208,17 @@ impl FieldEstimator {
         (i < self.model.sensors()).then(|| self.state.x[self.state.scene(i)] + self.state.off[i] + self.scene.left_k(i))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_even_sky_s_attitude_is_no_loss_beside_a_lean_that_is_known() {
+        let apart = |apart_from_even: f64| Misfit { apart_from_even: [apart_from_even, 0.0], ..Misfit::default() };
+        let far = WARM * APART.0 + 0.1;
+        assert!(apart(far).is_lost(100.0, 0.0, Some(0.0)));
+        assert!(!apart(far).is_lost(100.0, 0.2, Some(0.0)));
+        assert!(apart(far + 0.2).is_lost(100.0, 0.2, Some(0.0)));
+    }
+}

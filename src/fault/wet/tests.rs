@@ -165,3 +165,27 @@ fn all_are_wet_where_contrast_and_distance_from_their_own_temperature_go_at_once
         assert_eq!((found, wet.all()), (expected, expected > 0), "{contrast} and {apart} left for {seconds} s");
     }
 }
+
+/// What one sensor did says nothing of the others.
+#[test]
+fn one_that_was_wild_makes_not_all_wet_and_one_that_is_silent_takes_nothing_back() {
+    let mut wet = WetSensors::new(&Head::six(), 0.5);
+    for i in 0..3500 {
+        let time_s = 100.0 + 0.02 * f64::from(i);
+        let mut shown_c = [2.5, -2.5, 2.5, -2.5, 2.5, -2.5].map(|k| OWN_C + k);
+        if time_s < 160.0 {
+            shown_c[0] = 120.0;
+        }
+        wet.update(&frame(time_s, &shown_c, Some(OWN_C)), &seen(5.0), 2.0, false);
+        assert!(!wet.all(), "{time_s} s");
+    }
+    let mut wet = WetSensors::new(&Head::six(), 0.5);
+    assert_eq!(collapse(&mut wet, 5.0, 0.1, 0.1, false), 6);
+    for i in 0..250 {
+        let shown_c = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0].map(|side| OWN_C - 2.0 + 1.5 * side);
+        let mut frame = frame(165.0 + 0.02 * f64::from(i), &shown_c, Some(OWN_C));
+        frame.readings[0] = Err(crate::frame::Missing::NoAnswer);
+        wet.update(&frame, &seen(3.0), 2.0, false);
+    }
+    assert!(wet.all());
+}
