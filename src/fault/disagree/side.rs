@@ -121,10 +121,12 @@ mod tests {
         let Attitude { roll, pitch } = side.doubt();
         assert_eq!(roll, pitch);
         // Unheard it is there still, and over after a while.
-        side.judge(Time::from_secs_f64(240.0));
-        assert_eq!(side.doubt().roll, roll);
-        (0..50).for_each(|i| side.judge(Time::from_secs_f64(280.0 + 0.2 * f64::from(i))));
-        assert_eq!(side.doubt(), Attitude::default());
+        let mut silent_from = |s: f64| {
+            (0..50).for_each(|i| side.judge(Time::from_secs_f64(s + 0.2 * f64::from(i))));
+            side.doubt()
+        };
+        assert_eq!(silent_from(230.0).roll, roll);
+        assert_eq!(silent_from(280.0), Attitude::default());
         roll.to_degrees()
     }
 
