@@ -19,8 +19,7 @@ pub fn check(settings: &Settings, head: &Head) -> Result<(), String> {
 
 /// The simulated flight where one is configured, the hardware otherwise.
 ///
-/// Errors as [`check`] does. Hardware that is absent
-/// is no error: it may come, and until then its faults say what is missing.
+/// Errors as [`check`] does. Hardware that is absent is no error: it may come, and until then its faults say what is missing.
 pub fn open(settings: &Settings, head: &Head) -> Result<Box<dyn FrameSource>, String> {
     match &settings.simulation {
         Some(simulation) => {

@@ -46,7 +46,8 @@ struct Run {
 
 /// Sees `sensor-stuck`. A quiet sensor of coarse steps repeats itself honestly, and a head at rest does: the others
 /// must have moved, and the run must be longer than those that this sensor is known for. One whose noise never lets it
-/// say the same twice needs no others; all are stuck that say the same while a gyro rolls. One that is stuck remains so until it says something else.
+/// say the same twice needs no others; all are stuck that say the same while a gyro rolls. One that is stuck remains so
+/// until it says something else.
 #[derive(Clone, Debug)]
 pub struct StuckSensors {
     head: Head,

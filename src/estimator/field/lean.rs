@@ -15,7 +15,8 @@ const SURE: f64 = 7.0;
 /// The share of flights in which the horizon leans.
 const LEANING: f64 = 0.2;
 
-/// What the leans would be, beside what was known of them, had a standard deviation of `large` (rad) been expected of them; none where more was.
+/// What the leans would be, beside what was known of them, had a standard deviation of `large` (rad) been expected of
+/// them; none where more was.
 fn if_expected(state: &State, large: f64) -> Option<IfExpected> {
     IfExpected::of(state, LEAN..LEAN + 2, &state.lean_mean, (state.lean2, large * large))
 }

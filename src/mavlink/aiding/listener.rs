@@ -276,10 +276,9 @@ impl Listener {
                 return Some(Time::from_secs_f64(now.as_secs_f64() - way_s));
             }
         };
-        let (clock, driven) = match stamp {
-            Stamp::Epoch(_) => (&mut self.epoch, &mut self.driven[1]),
-            _ => (&mut self.boot, &mut self.driven[0]),
-        };
+        let dated = matches!(stamp, Stamp::Epoch(_));
+        let clock = if dated { &mut self.epoch } else { &mut self.boot };
+        let driven = &mut self.driven[usize::from(dated)];
         if is_rates {
             *driven = Some(now);
         }
@@ -288,7 +287,7 @@ impl Listener {
         let began = drives && clock.arrived(now, sent);
         let moment = clock.ours(now, sent);
         // Of an autopilot that knows the date since now, not one that has begun anew.
-        if began && !matches!(stamp, Stamp::Epoch(_)) {
+        if began && !dated {
             log::info!("the autopilot's clock has begun anew");
             self.asker = Asker::default();
             (self.sense, self.climb) = (Sense::default(), Climb::default());

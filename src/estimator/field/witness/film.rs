@@ -68,8 +68,8 @@ impl Film {
         let share = (reading - expected) / (ambient_c - expected);
         let sound = (-OF_THIS_WORLD.0..OF_THIS_WORLD.1).contains(&((expected - ground_c) / contrast_k));
         let is_off = off_k > OFF.0.max(OFF.1 * sigma_k);
-        self.right_s += if is_off { 0.0 } else { dt_s };
         if !is_off {
+            self.right_s += dt_s;
             self.remember(reading, dt_s);
         }
         let beyond = |(least, most): (f64, f64)| (least - reading).max(reading - most);
@@ -95,7 +95,7 @@ impl Film {
 
     /// The same of which none is seen.
     pub fn none(self) -> Self {
-        Self { right_s: self.right_s, before: self.before, is_new: self.is_new, ..Self::default() }
+        Self { right_s: self.right_s, before: self.before, ..Self::default() }
     }
 
     /// Whether it shows as much of its die as a film would.
