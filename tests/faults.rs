@@ -8,11 +8,11 @@ use events::flown::{AIDING, fly, under};
 use events::outcome::run;
 use events::quiet::{self, Alarm};
 use events::report::{self, Asked};
-use irhorizon::simulation::SimulatedSource;
 use irhorizon::simulation::aerobatics::aerobatics;
 use irhorizon::simulation::aircraft::Aircraft;
 use irhorizon::simulation::manoeuvre::Style;
 use irhorizon::simulation::trajectory::Trajectory;
+use irhorizon::simulation::{Scenario, SimulatedSource};
 
 /// What is known to be missed, said in docs/faults.md: in how many of the flights what is asked must be reached
 /// nevertheless.
@@ -197,5 +197,24 @@ fn two_bad_sensors_that_look_apart_mislead_nobody_beside_a_gyro() {
         let flight = format!("seed {seed}, {faults}: {:?}", said.names);
         println!("{flight}: {:.1} s given", said.given_s);
         assert!(said.wrong_s == 0.0 && said.given_s > 60.0, "{flight}: {}, {} s", said.wrong_s, said.given_s);
+    }
+}
+
+/// Fields, woods and clouds are there all along. How far they make the horizon lean, turns and climb tell; without these a
+/// tilt may be hidden for as long as they last.
+#[test]
+fn what_turns_and_climb_have_told_of_is_not_obstructed() {
+    for (name, seed) in [("patchwork", 1), ("patchwork", 3), ("scattered", 2), ("cumulus", 2)] {
+        let source = Scenario::named(name).unwrap().lasting(240.0).source(seed);
+        let (mut obstructed_s, mut worst) = ([0.0; 2], 0.0_f64);
+        fly(source, 240.0, |aided, now| {
+            if now.time_s > 120.0 {
+                obstructed_s[aided] += if now.names().any(|n| n == "obstructed") { 0.02 } else { 0.0 };
+                worst = now.error().filter(|_| aided == 1).map_or(worst, |e| worst.max(e.larger_deg));
+            }
+        });
+        println!("{name} {seed}: {obstructed_s:.1?} of 120 s, {worst:.1}°");
+        let [alone_s, aided_s] = obstructed_s;
+        assert!(aided_s < 0.3 * alone_s && worst < 4.0, "{name} {seed}: {obstructed_s:?} s, {worst}°");
     }
 }

@@ -8,7 +8,7 @@ use crate::time::Time;
 /// Seconds for which it must be seen, and must be gone.
 const LASTS_S: (f64, f64) = (1.0, 3.0);
 /// It is gone below this share of the limit.
-const HYSTERESIS: f64 = 0.6;
+const HYSTERESIS: f64 = 0.8;
 
 /// Sees `obstructed`: what no attitude under any even sky explains might hide a tilt too large to be left unsaid.
 #[derive(Clone, Copy, Debug)]
@@ -68,10 +68,10 @@ mod tests {
             (0.9, Some(6.1), false),
             (0.2, Some(5.9), false),
             (1.1, Some(6.1), true),
-            (9.0, Some(3.7), true),
+            (9.0, Some(4.9), true),
             (9.0, None, true),
-            (2.9, Some(3.5), true),
-            (0.2, Some(3.5), false),
+            (2.9, Some(4.7), true),
+            (0.2, Some(4.7), false),
             (9.0, None, false),
             (9.0, Some(f64::NAN), false),
         ] {

@@ -72,16 +72,18 @@ impl FieldEstimator {
         2.0 * self.tuning.hidden.0 * scene_k / (PAIR_SLOPE * self.state.x[CONTRAST].abs().max(1.0))
     }
 
-    /// The tilt that the scene may hide, rad: what is new may be a wall. What one sensor does is no scene; with a gyro that
-    /// is soon known, and that it may be a film below or above at once.
-    pub(super) fn may_hide(&self) -> f64 {
+    /// The tilt that the scene may hide, rad: what is new may be a wall; of what has been there all along slow references
+    /// may have told, and no more of it is hidden than the attitude may be `off` by, rad. What one sensor does is no
+    /// scene; with a gyro that is soon known, and that it may be a film below or above at once.
+    pub(super) fn may_hide(&self, off: f64) -> f64 {
         if self.scene.long_unlike() < UNLIKE.1 && self.witnesses.may_see_film(&self.model) {
             return 0.0;
         }
+        let seen = self.hidden(self.scene.seen_k());
         if self.gyro.in_use() && self.witnesses.undecided() {
-            return self.hidden(self.scene.seen_k());
+            return seen;
         }
-        self.hidden(self.scene.hiding_k()).max(self.moved.hides())
+        seen.min(off).max(self.hidden(self.scene.new_hides_k())).max(self.moved.hides())
     }
 
     /// The walk of how the horizon leans while the scene is seen to be unlike, as far as slow references tell of it, rad for

@@ -350,7 +350,7 @@ impl Estimator for FieldEstimator {
             self.carried.doubt();
         }
         // A wall is still there when it begins anew.
-        let hides = if lost { self.may_hide().min(MOST_HIDDEN) } else { 0.0 };
+        let hides = if lost { self.may_hide(f64::INFINITY).min(MOST_HIDDEN) } else { 0.0 };
         self.hidden_before = hides.max(self.hidden_before * (-dt_s.max(0.0) / HIDDEN_S).exp());
         if lost || contradicted || misjudged || !(0.0..GAP_S).contains(&dt_s) {
             let begun = self.begin(&self.lately(&readings, now), now);

@@ -169,9 +169,9 @@ impl SceneStrength {
         (self.seen_k() - NEW * self.usual_k).max(0.0)
     }
 
-    /// The size of what hides a tilt, K.
-    pub fn hiding_k(&self) -> f64 {
-        self.seen_k().max(NEW_HIDES * self.new_k())
+    /// As large a scene as that which has been there all along would be to hide as much as what is new, K.
+    pub fn new_hides_k(&self) -> f64 {
+        NEW_HIDES * self.new_k()
     }
 
     /// What sensor `i` has lately shown beyond its prediction, K.
@@ -208,9 +208,9 @@ mod tests {
 
     #[test]
     fn what_is_new_hides_more_than_what_was_always_there() {
-        assert_eq!(seeing(0.2, 0.0).hiding_k(), 0.5);
+        assert_eq!(seeing(0.2, 0.0).new_hides_k(), 0.5);
         for usual_k in [0.15, 0.2, 0.5] {
-            assert_eq!(seeing(0.2, usual_k).hiding_k(), 0.2, "{usual_k}");
+            assert_eq!(seeing(0.2, usual_k).new_hides_k(), 0.0, "{usual_k}");
         }
     }
 }

@@ -52,7 +52,7 @@ impl FieldEstimator {
             contrast_k: Some(contrast_k),
             seen_k: self.seen_k.map(|seen_k| [0.0, 0.0, seen_k]),
             sensors: std::array::from_fn(|i| self.hearing(i)),
-            hidden: Some(self.may_hide()),
+            hidden: Some(self.may_hide(2.0 * (sigma.roll * attitude.pitch.cos()).max(sigma.pitch))),
             hint: self.hint(),
             wired: self.gyro.heard().and_then(|_| self.turns.wired()).map(|wired| Otherwise {
                 attitude: wired.attitude(attitude),
