@@ -186,6 +186,18 @@ fn hail_under_an_aircraft_that_turns_over_is_no_horizon() {
     }
 }
 
+/// The sky that comes back is still changing, and no sensor is wet for it.
+#[test]
+fn a_fog_that_has_passed_leaves_nothing_behind() {
+    for (sky, seed) in [("namibia", 8), ("clear-humid", 1), ("clear-humid", 2), ("clear-humid", 3)] {
+        let source = Scenario::named(sky).unwrap().lasting(90.0).source(seed);
+        for (aided, said) in listen(source, "fog@40..45", 90.0).iter().enumerate() {
+            let names: Vec<_> = said.names.iter().map(|(name, _)| name.as_str()).collect();
+            assert_eq!(names, ["low-contrast"], "{sky} {seed}, {}: {:?}", AIDING[aided], said.names);
+        }
+    }
+}
+
 /// With a gyro: without, four sensors do not tell.
 #[test]
 fn two_bad_sensors_that_look_apart_mislead_nobody_beside_a_gyro() {

@@ -15,6 +15,8 @@ use crate::time::Time;
 const TURNS_S: f64 = 0.05;
 /// So long a sensor is taken to be the cause of what does not fit, s.
 const UNDECIDED_S: f64 = 5.0;
+/// For so long after there was no contrast the sky is still changing, and no sensor is found to be at fault for it, s.
+const CHANGING_S: f64 = 10.0;
 
 impl FieldEstimator {
     /// The readings of `frame` that are newer than the last of their sensor, and the newest stamp.
@@ -90,7 +92,8 @@ impl FieldEstimator {
             ambient_c: self.ambient_c,
             lag_s: s.lag_s(self.tuning.lag_s),
         };
-        if self.blind {
+        let changing = self.back_at.is_some_and(|at| (0.0..CHANGING_S).contains(&now.since(at)));
+        if self.blind || changing {
             self.witnesses.restart();
         } else if self.model.is_absolute() {
             let before: [Standing; MAX_SENSORS] = std::array::from_fn(|i| self.witnesses.standing(i));

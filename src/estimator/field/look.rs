@@ -34,6 +34,7 @@ impl FieldEstimator {
         if self.blind && upright && length(seen) > 2.0 * TELLING_K {
             // What was made of nothing is nothing to go on with.
             (self.blind, self.blind_since, self.last) = (false, None, None);
+            self.back_at = Some(now);
         } else if upright && !mirrored {
             self.blind_since = None;
         } else if now.since(*self.blind_since.get_or_insert(now)) > BLIND_S {

@@ -137,6 +137,8 @@ pub struct FieldEstimator {
     /// Since when there is no contrast to see by, or one that is upside down; whether that has lasted.
     blind_since: Option<Time>,
     blind: bool,
+    /// Since when there is a contrast again.
+    back_at: Option<Time>,
     undecided_since: Option<Time>,
     gyro: Gyro,
     carried: Carried,
@@ -212,6 +214,7 @@ impl FieldEstimator {
             nothing_at: None,
             blind_since: None,
             blind: false,
+            back_at: None,
             undecided_since: None,
             model,
             tuning,
