@@ -90,11 +90,13 @@ impl FieldEstimator {
         self.set_rates();
     }
 
-    /// Rates without a gyro, or a gyro's bias: both begin at zero. What only a gyro can tell goes with it.
+    /// Rates without a gyro, which begin at zero, or a gyro's bias. What only a gyro can tell goes with it, but for how
+    /// slow the sensors are.
     pub(super) fn set_rates(&mut self) {
+        let (bias, lag) = if self.gyro.in_use() { (self.bias_seen(), self.lag) } else { Default::default() };
         let (t, s, gyro) = (&self.tuning, &mut self.state, self.gyro.in_use());
         for i in 0..3 {
-            s.x[RATE + i] = 0.0;
+            s.x[RATE + i] = -bias[i];
             s.set_variance(RATE + i, (if gyro { t.bias.0 } else { t.rate_sigma[i] }).powi(2));
         }
         for i in LEAN..LEAN + 2 {
@@ -106,7 +108,7 @@ impl FieldEstimator {
         self.turned = 0.0;
         self.around = Around::default();
         self.manoeuvre = Manoeuvre::default();
-        s.x[LAG] = 0.0;
+        s.x[LAG] = lag;
         s.set_variance(LAG, if gyro { t.lag_sigma.powi(2) } else { 0.0 });
         self.set_askew();
         self.set_errors();

@@ -1,7 +1,7 @@
 //! Body rates, and when to believe them.
 
 use crate::attitude::Attitude;
-use crate::estimator::vector::{Vector, add_scaled, dot, product, rotation};
+use crate::estimator::vector::{Vector, add_scaled, dot, length, product, rotation};
 use crate::frame::Aiding;
 use crate::time::Time;
 
@@ -17,9 +17,10 @@ const FASTEST_DEG_S: f64 = 2000.0;
 /// A gyro that was wrong is believed again after this, s; twice as long each time.
 const DISTRUST_S: (f64, f64) = (20.0, 640.0);
 /// A gyro that flies is never still to the last digit: one that says the same for so long, s, and in so many samples, says
-/// nothing.
-const STUCK_S: f64 = 2.0;
+/// nothing. Sooner where it would have turned by so much meanwhile, rad (6°): what a slow link repeats is over by then.
+const STUCK_S: (f64, f64) = (2.0, 0.4);
 const STUCK: u32 = 8;
+const STUCK_RAD: f64 = 0.1;
 /// How far rates bend between samples is averaged over so long, s.
 const BENT_S: f64 = 4.0;
 /// The variance of the mean rate between two samples, of the square by which a sample is off the line through the two
@@ -176,7 +177,11 @@ impl Gyro {
     }
 
     fn is_stuck(&self) -> bool {
-        self.same.is_some_and(|(_, since, samples)| samples > STUCK && self.now.since(since) > STUCK_S)
+        self.same.is_some_and(|(rates, since, samples)| {
+            let same_s = self.now.since(since);
+            let turned = same_s > STUCK_S.1 && length(rates) * same_s > STUCK_RAD;
+            samples > STUCK && (same_s > STUCK_S.0 || turned)
+        })
     }
 
     fn is_distrusted(&self) -> bool {
@@ -248,9 +253,12 @@ mod tests {
     #[test]
     fn one_that_says_the_same_for_long_is_not_used_until_it_says_something_else() {
         for every in [1, 5] {
-            let stuck_from = |i: usize| heard(every, move |n| (n * every).min(i) as f64).in_use();
+            let stuck_from = |i: usize| heard(every, move |n| 0.001 * (n * every).min(i) as f64).in_use();
             assert!(!stuck_from(0) && !stuck_from(390) && stuck_from(410) && stuck_from(500), "every {every}. frame");
         }
+        // At 35 deg/s 0.4 s are enough.
+        let fast_from = |i: usize| heard(1, move |n| 20.0 + 0.001 * n.min(i) as f64).in_use();
+        assert!(!fast_from(390) && !fast_from(475) && fast_from(485));
         let again = |i: usize| if i < 499 { 3.0 } else { 3.01 };
         assert!(heard(1, again).in_use() && heard(1, again).newest().is_some());
         assert!(heard(1, |_| 3.0).newest().is_none());

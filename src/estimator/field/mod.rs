@@ -36,6 +36,7 @@ mod change;
 mod correct;
 mod directions;
 mod doubt;
+mod drift;
 mod expected;
 mod form;
 mod gyro;
@@ -195,6 +196,8 @@ pub struct FieldEstimator {
     moved: Moved,
     /// The tilt that the scene might hide before it began anew, rad.
     hidden_before: f64,
+    /// The logarithm of the sensors' time constant over the configured one, as a gyro has shown it.
+    lag: f64,
 }
 
 impl FieldEstimator {
@@ -255,6 +258,7 @@ impl FieldEstimator {
             beneath: Beneath::default(),
             moved: Moved::default(),
             hidden_before: 0.0,
+            lag: 0.0,
         }
     }
 
@@ -322,6 +326,8 @@ impl Estimator for FieldEstimator {
 
     fn set_lag_s(&mut self, lag_s: f64) {
         if (0.0..=5.0).contains(&lag_s) {
+            // What was learnt is a multiple of it.
+            self.lag = if lag_s == self.tuning.lag_s { self.lag } else { 0.0 };
             self.tuning.lag_s = lag_s;
         }
     }
@@ -373,6 +379,7 @@ impl Estimator for FieldEstimator {
             self.carry(&mut readings, now, dt_s);
         }
         self.compare_turns(&readings, now);
+        self.watch_bias(dt_s);
         self.correct(&readings, dt_s);
         self.watch_horizon(dt_s);
         self.find_alone(&readings, now, dt_s);

@@ -11,7 +11,7 @@ use super::directions::Pattern;
 use super::form::Form;
 use super::gyro::shown;
 use super::noise::NoiseLevel;
-use super::state::MAX_SENSORS;
+use super::state::{LAG, MAX_SENSORS, SOONEST};
 use crate::estimator::Standing;
 use crate::estimator::normal::Normal;
 use crate::estimator::vector::{Vector, add_scaled, cross, dot, length, product, rotation, unit};
@@ -41,6 +41,9 @@ const ENOUGH: f64 = 0.018;
 const ASKED: f64 = 0.006;
 /// Such a share of what is left in a stretch is taken for the gyro's bias, and more at first.
 const BIAS: f64 = 0.2;
+/// It is known after so many stretches, seen by sensors no farther from symmetric: others see turns where there are none.
+const KNOWN: f64 = 10.0;
+const SYMMETRIC: f64 = 0.05;
 
 /// Compares stretch after stretch.
 #[derive(Clone, Debug, Default)]
@@ -51,6 +54,7 @@ pub struct Turns {
     /// What the gyro says too much, rad/s, and in how many stretches that has been learnt.
     bias: Vector,
     learnt: f64,
+    symmetric: bool,
     /// The sums of squares of what is seen to turn, what the gyro leaves of it, and what may be off, rad².
     told: [f64; 3],
     contradict: bool,
@@ -143,7 +147,8 @@ impl Turns {
         self.shown = rates.map(|rates| (rates, now));
         let (Some(seen), Some(rates)) = (seen, rates) else { return };
         let over = |s: &Stretch| now.since(s.since) >= 2.0 * HALF_S;
-        if let Some(told) = stretch.filter(over).and_then(|s| s.told()) {
+        if let Some((stretch, told)) = stretch.filter(over).and_then(|s| Some((s, s.told()?))) {
+            self.symmetric = stretch.lopsided < SYMMETRIC;
             self.judge(told);
         }
         let mut stretch = stretch.filter(|s| !over(s)).unwrap_or_else(|| Stretch::new(now));
@@ -204,6 +209,11 @@ impl Turns {
         self.told[1] / self.told[0].max(f64::MIN_POSITIVE)
     }
 
+    /// What the gyro says too much, rad/s, once it is known.
+    pub fn bias(&self) -> Option<Vector> {
+        (self.learnt > KNOWN && self.symmetric).then_some(self.bias)
+    }
+
     /// Whether the gyro turns otherwise than is seen.
     pub fn contradict(&self) -> bool {
         self.contradict
@@ -220,7 +230,11 @@ impl FieldEstimator {
     pub(super) fn compare_turns(&mut self, readings: &[Option<f64>; MAX_SENSORS], now: Time) {
         let rates = self.gyro.heard();
         let seen = rates.and_then(|_| self.seen(&self.lately(readings, now)));
-        self.turns.update(seen, rates, self.tuning.lag_s, now);
+        if self.gyro.in_use() {
+            self.lag = self.state.x[LAG];
+        }
+        // A time constant that is said too short would look like a gyro that is wrong, without which it cannot be found.
+        self.turns.update(seen, rates, self.tuning.lag_s * self.lag.max(SOONEST).exp(), now);
     }
 
     /// Forgets what was made of a gyro that turns otherwise: scenes, noise, and sensors at fault.
