@@ -12,7 +12,7 @@ use irhorizon::simulation::aerobatics::aerobatics;
 use irhorizon::simulation::aircraft::Aircraft;
 use irhorizon::simulation::manoeuvre::Style;
 use irhorizon::simulation::trajectory::Trajectory;
-use irhorizon::simulation::{Scenario, SimulatedSource};
+use irhorizon::simulation::{Flight, Scenario, SimulatedSource};
 
 /// What is known to be missed, said in docs/faults.md: in how many of the flights what is asked must be reached
 /// nevertheless.
@@ -195,6 +195,31 @@ fn a_fog_that_has_passed_leaves_nothing_behind() {
             let names: Vec<_> = said.names.iter().map(|(name, _)| name.as_str()).collect();
             assert_eq!(names, ["low-contrast"], "{sky} {seed}, {}: {:?}", AIDING[aided], said.names);
         }
+    }
+}
+
+/// Straight ahead the others tell of the same sky whatever one shows: it is known by its die, and stays so.
+#[test]
+fn a_film_in_quiet_flight_is_named_and_stays_named() {
+    let calm = Aircraft { airspeed_rms_m_s: 0.0, updraught_m_s: 0.0, ..Aircraft::default() };
+    for (seed, who) in ["nose", "tail", "left", "right"].iter().enumerate().flat_map(|(i, w)| [(i as u64, w), (4, w)]) {
+        let style = Style::Scripted(Flight::steady(0.0, 2.5).with_turbulence(0.3, 0.1, seed));
+        let trajectory = Trajectory::fly(&calm, &style, 121.0, 2000 + seed);
+        let source = under(seed).lasting(1.0).source(3000 + seed).with_trajectory(trajectory);
+        let source = source.with_faults(vec![format!("wet=92:{who}@60..").parse().unwrap()]);
+        let (mut wet, mut other, mut given, mut worst) = (0, 0, 0, 0.0_f64);
+        fly(source, 120.0, |aided, now| {
+            if aided == 0 && now.time_s > 66.0 {
+                let own = format!("wet-sensor:{who}");
+                wet += u32::from(now.names().any(|n| n == own));
+                other += u32::from(now.names().any(|n| n.starts_with("wet-sensor") && n != own));
+                let error = now.error();
+                given += u32::from(error.is_some());
+                worst = error.map_or(worst, |e| worst.max(e.larger_deg));
+            }
+        });
+        println!("seed {seed}, {who}: named in {wet}, another in {other}, given in {given} of 2700, {worst:.1}°");
+        assert!(wet > 2690 && other == 0 && given > 2600 && worst < 4.0);
     }
 }
 

@@ -37,9 +37,10 @@ impl FieldEstimator {
         Attitude { roll: doubt, pitch: doubt }
     }
 
-    /// Whether a sensor is left out where nothing but the others tells that.
+    /// Whether a sensor is left out where nothing but the others tells that, and not its die.
     fn by_fewer(&self) -> bool {
-        let left_out = (0..self.model.sensors()).any(|i| self.witnesses.standing(i) == Standing::LeftOut);
-        left_out && !self.gyro.in_use()
+        let (all, w) = (0..self.model.sensors(), &self.witnesses);
+        let left_out = all.clone().any(|i| w.standing(i) == Standing::LeftOut);
+        left_out && !all.into_iter().any(|i| w.sees_film(i)) && !self.gyro.in_use()
     }
 }

@@ -12,6 +12,9 @@ use crate::estimator::{PAIR_SLOPE, Standing};
 
 /// A sensor that loses so much of what it should show may see something beside it; one that loses so much does not.
 const SEES: (f64, f64) = (0.5, 0.85);
+/// One that shows its die and nothing but, as it never did before, would see a wall that leaves no sky: it is taken to lose
+/// so much as long as nothing has changed.
+const FILM: f64 = 0.8;
 /// Something so much warmer than the ground may be a slope in the sun; what is so much warmer is none, K.
 const WARMER_K: (f64, f64) = (3.0, 6.0);
 /// Beside a gyro it is off by no more, rad (3°): what comes suddenly is no turn if it says so.
@@ -27,7 +30,7 @@ impl FieldEstimator {
             let (Standing::LeftOut | Standing::Doubted, Some(residual_k)) = (standing, residual_k) else { continue };
             let warmer_k = self.witnesses.of(i).0.map_or(0.0, |expected| expected + residual_k - self.state.x[GROUND]);
             let sees = |(from, to): (f64, f64), what: f64| ((to - what) / (to - from)).clamp(0.0, 1.0);
-            let lost = self.witnesses.lost(i).unwrap_or(0.0);
+            let lost = self.witnesses.lost(i).unwrap_or(if self.witnesses.sees_film(i) { FILM } else { 0.0 });
             let doubt =
                 sees(SEES, lost).max(self.witnesses.strays(i)) * sees(WARMER_K, warmer_k) * residual_k / contrast_k;
             let [nose, left, up] = self.model.direction(i).map(|c| c * doubt);

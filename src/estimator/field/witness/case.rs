@@ -135,6 +135,11 @@ impl Case {
         self.standing != Standing::LeftOut && self.film.is_there(upright) && self.is_all_there_is()
     }
 
+    /// Whether it shows as much of its die as a film would, and did not before.
+    pub fn shows_die_anew(&self) -> bool {
+        self.film.is_seen_anew()
+    }
+
     /// Whether a film that grows on it may explain that.
     pub fn may_have_film(&self) -> bool {
         self.standing != Standing::LeftOut && self.film.may_grow() && self.is_all_there_is()

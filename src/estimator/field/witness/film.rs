@@ -103,6 +103,11 @@ impl Film {
         self.seen_s > 0.0
     }
 
+    /// The same, where it has shown nothing of the kind before.
+    pub fn is_seen_anew(&self) -> bool {
+        self.is_seen() && self.is_new
+    }
+
     /// Whether a film may be growing.
     pub fn may_grow(&self) -> bool {
         (f64::MIN_POSITIVE..GROWS_S).contains(&self.growing_s)

@@ -136,6 +136,11 @@ impl Witnesses {
         self.cases[i].strays()
     }
 
+    /// Whether sensor `i` is left out and shows its die as it never did before: it is that one.
+    pub fn sees_film(&self, i: usize) -> bool {
+        self.cases[i].standing == Standing::LeftOut && self.cases[i].shows_die_anew()
+    }
+
     /// Whether nothing is amiss but sensor `i`, which is left out.
     pub fn blames_only(&self, i: usize) -> bool {
         self.cases[i].standing == Standing::LeftOut && self.cases[i].is_all_there_is()
