@@ -34,6 +34,9 @@ const SILENT_AFTER_S: f64 = 3.0;
 /// and the last word is always the true one.
 const TEXTS_PER_S: u32 = 8;
 
+/// What has been told to withhold the attitude is not told to do so again within so long, s.
+const WITHHELD_AGAIN_S: f64 = 5.0;
+
 /// One form of the attitude, if there is any.
 type Form = fn(&Seen) -> Option<Message>;
 
@@ -48,6 +51,14 @@ pub enum Asked {
     Unknown,
 }
 
+/// A fault that was told.
+#[derive(Clone, Copy, Debug)]
+struct Told {
+    kind: FaultKind,
+    /// When it was told to withhold the attitude.
+    withheld: Option<Time>,
+}
+
 /// The state of one endpoint's stream.
 #[derive(Clone, Debug)]
 pub struct Session {
@@ -60,7 +71,7 @@ pub struct Session {
     next_second: Time,
     /// What the last SYS_STATUS said.
     healthy: Option<bool>,
-    told: Vec<FaultKind>,
+    told: Vec<Told>,
     /// A text has said that the attitude is withheld.
     told_withheld: bool,
     texts: u32,
@@ -273,22 +284,22 @@ impl Session {
         let dead = dead_s.map(|value| (FaultKind::Stale, Evidence::Limit { value, limit, unit: "s" }));
         let active = || seen.faults.iter().map(|f| (f.kind, f.evidence)).chain(dead);
         let Self { told, texts, .. } = self;
-        told.retain(|kind| {
-            let keep = *texts >= TEXTS_PER_S || active().any(|(k, _)| k == *kind);
+        told.retain(|t| {
+            let keep = *texts >= TEXTS_PER_S || active().any(|(k, _)| k == t.kind);
             if !keep {
                 *texts += 1;
-                send(&messages::fault_went(*kind, names));
+                send(&messages::fault_went(t.kind, names));
             }
             keep
         });
         let withheld = matches!(seen.moment.mode, Mode::Starting | Mode::Faulted) || dead.is_some();
-        if withheld && !self.told_withheld && active().all(|(k, _)| told.contains(&k)) {
-            told.clear();
+        if withheld && !self.told_withheld && active().all(|(k, _)| told.iter().any(|t| t.kind == k)) {
+            told.retain(|t| t.withheld.is_some_and(|at| now.since(at) < WITHHELD_AGAIN_S));
         }
         self.told_withheld &= withheld;
         for (kind, evidence) in active() {
-            if *texts < TEXTS_PER_S && !told.contains(&kind) {
-                told.push(kind);
+            if *texts < TEXTS_PER_S && !told.iter().any(|t| t.kind == kind) {
+                told.push(Told { kind, withheld: withheld.then_some(now) });
                 *texts += 1;
                 self.told_withheld |= withheld;
                 send(&messages::fault_came(kind, evidence, withheld, names));
@@ -298,10 +309,10 @@ impl Session {
 
     /// There are other sensors from now on: what is told of those before, which `names` names, is over.
     pub fn forget(&mut self, names: &dyn FaultName, mut send: impl FnMut(&Message)) {
-        for kind in self.told.drain(..) {
+        for told in self.told.drain(..) {
             if self.texts < TEXTS_PER_S {
                 self.texts += 1;
-                send(&messages::fault_went(kind, names));
+                send(&messages::fault_went(told.kind, names));
             }
         }
     }

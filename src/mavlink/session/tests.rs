@@ -238,6 +238,35 @@ fn a_fault_whose_attitude_is_held_is_told_again_when_that_is_lost() {
 }
 
 #[test]
+fn what_has_been_told_to_withhold_is_not_told_to_again_within_five_seconds() {
+    use MavSeverity::{MAV_SEVERITY_CRITICAL as CRITICAL, MAV_SEVERITY_ERROR as ERROR};
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
+    let mut said = Vec::new();
+    // The attitude comes and goes, the fault stays; after 12 s another comes that is not withheld at first.
+    for i in 0..1000_u32 {
+        let secs = f64::from(i) * 0.02;
+        let faults = if i < 600 { vec![lost(0)] } else { vec![lost(0), lost(1)] };
+        let given = i % 10 < 5;
+        let seen = but(frame(u64::from(i) + 1, secs), &faults, |m| {
+            (m.attitude, m.mode) = (m.attitude.filter(|_| given), if given { Mode::Degraded } else { Mode::Faulted });
+        });
+        let texts = texts(&step(&mut session, secs, &seen));
+        said.extend(texts.into_iter().map(|(severity, text)| (i, severity, text.contains("tail"))));
+    }
+    let expected = [
+        (0, ERROR, false),
+        (5, CRITICAL, false),
+        (255, CRITICAL, false),
+        (505, CRITICAL, false),
+        (600, ERROR, true),
+        (605, CRITICAL, true),
+        (755, CRITICAL, false),
+        (855, CRITICAL, true),
+    ];
+    assert_eq!(said, expected);
+}
+
+#[test]
 fn what_is_shown_in_place_of_an_attitude_goes_out_with_a_critical_heartbeat_and_no_quality() {
     let mut session = Session::new(at(0.0), 0, &Streams::default());
     let seen = but(frame(1, 0.0), &[lost(0)], |m| (m.measured, m.mode) = (false, Mode::Faulted));
