@@ -93,14 +93,19 @@ impl Detectors {
         self.sensors.report(faults);
     }
 
-    /// Whether a fault withholds the attitude; a sensor's does where the method has none without it (`solved`).
-    pub fn withholds(&self, kind: FaultKind, solved: bool) -> bool {
+    /// Whether each sensor that is not in `frame`, or not heard, has a fault of its own.
+    pub fn name_all_missing(&self, frame: &Frame) -> bool {
+        let mut readings = frame.readings.iter().enumerate();
+        readings.all(|(i, reading)| reading.is_ok() || self.sensors.is_gone(i))
+    }
+
+    /// Whether a fault withholds the attitude whatever the method makes of it.
+    pub fn withholds(&self, kind: FaultKind) -> bool {
         match kind {
             FaultKind::LowContrast | FaultKind::InvertedContrast | FaultKind::Stale => true,
-            FaultKind::WetSensor(_) => self.wet.all() || !solved,
-            // It widens the standard deviations; a missed read meanwhile is a missed read.
-            FaultKind::RollDisagrees | FaultKind::PitchDisagrees => false,
-            _ => !solved,
+            FaultKind::WetSensor(_) => self.wet.all(),
+            // A sensor's does where the method lacks it; the others widen the standard deviations.
+            _ => false,
         }
     }
 }

@@ -63,6 +63,11 @@ impl SensorDetector {
         }
     }
 
+    /// Whether sensor `i` has been missing for so long.
+    pub fn is_gone(&self, i: usize) -> bool {
+        self.sensors.get(i).is_some_and(|watch| watch.gone.is_active())
+    }
+
     /// Adds what is there to `faults`. A sensor on a bus that is down is not counted a second time.
     pub fn report(&self, faults: &mut Vec<ActiveFault>) {
         for (i, (watch, sensor)) in self.sensors.iter().zip(&self.head.sensors).enumerate() {

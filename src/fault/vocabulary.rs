@@ -81,6 +81,12 @@ pub trait FaultName {
 }
 
 impl FaultKind {
+    /// Whether it is a sensor's or a bus's own.
+    pub fn is_of_sensors(self) -> bool {
+        use FaultKind::{BusDown, SensorLost, SensorSaturated, SensorStuck, WetSensor};
+        matches!(self, WetSensor(_) | SensorStuck(_) | SensorLost(_) | SensorSaturated(_) | BusDown(_))
+    }
+
     /// The fault as D-Bus, recordings, STATUSTEXT and `status` spell it: `sensor-lost:nose`.
     pub fn display<'a>(self, names: &'a dyn FaultName) -> impl fmt::Display + 'a {
         struct Named<'a>(FaultKind, &'a dyn FaultName);

@@ -2,10 +2,12 @@
 //!
 //! - `build`: the estimator that the settings ask for;
 //! - [`mounting`]: from the head's axes to the airframe's;
+//! - `lack`: whether a sensor's fault withholds it;
 //! - [`output`]: what is said of it, also while it cannot be trusted: `continuity`, `sigma_limit`, `stand_in`.
 
 mod build;
 mod continuity;
+mod lack;
 pub mod mounting;
 pub mod output;
 mod sigma_limit;
@@ -21,6 +23,7 @@ use crate::fault::erratic::ErraticSensors;
 use crate::fault::{ActiveFault, Detectors, FaultKind};
 use crate::frame::{Frame, Missing};
 use crate::head::Head;
+use lack::Lack;
 use mounting::Mounting;
 use output::{Output, Verdict};
 
@@ -40,6 +43,7 @@ pub struct Horizon {
     detectors: Detectors,
     head: Head,
     erratic: ErraticSensors,
+    lack: Lack,
     /// A frame without what cannot be, and that without the sensors that are stuck.
     possible: Frame,
     heard: Frame,
@@ -76,6 +80,7 @@ impl Horizon {
             lag_said: settings.head.lag_s.is_some(),
             detectors: Detectors::new(f, &head),
             erratic: ErraticSensors::new(&head),
+            lack: Lack::new(f.back_after_s),
             possible: Frame::new(head.sensors.len()),
             heard: Frame::new(head.sensors.len()),
             head,
@@ -100,6 +105,7 @@ impl Horizon {
         let learnt = self.learner.as_ref().map_or_else(Attitude::default, Learner::trim);
         self.estimator.set_trim(Attitude { roll: trim.roll + learnt.roll, pitch: trim.pitch + learnt.pitch });
         self.detectors.retune(&settings.faults);
+        self.lack.retune(settings.faults.back_after_s);
         self.output.retune(&settings.faults);
     }
 
@@ -152,11 +158,14 @@ impl Horizon {
         }
 
         let solved = solution.attitude.is_some();
+        let stands = estimate.faults.iter().any(|f| f.kind.is_of_sensors());
+        let lacks = self.lack.update(stands, solved, self.detectors.name_all_missing(&self.possible), frame.time);
         let verdict = match solution.attitude {
+            _ if lacks => Verdict::Withheld,
             Some(seen) if trusted => self.given(seen, solution.sigma, doubt, frame, estimate),
             None if trusted && estimate.faults.is_empty() => Verdict::Nothing,
-            _ if estimate.faults.iter().any(|f| self.detectors.withholds(f.kind, solved)) => Verdict::Withheld,
-            // Suspected, not yet a fault.
+            _ if estimate.faults.iter().any(|f| self.detectors.withholds(f.kind)) => Verdict::Withheld,
+            // Suspected, not yet a fault; or one missed read beside one.
             _ => Verdict::Nothing,
         };
         self.output.update(verdict, frame.time, self.possible.sample_time(), estimate);

@@ -104,7 +104,8 @@ proptest! {
             for fault in &faults {
                 prop_assert!(!fault.kind.display(&head).to_string().contains('?'), "{fault:?}");
                 prop_assert!(!fault.evidence.to_string().is_empty());
-                detectors.withholds(fault.kind, true);
+                detectors.withholds(fault.kind);
+                detectors.name_all_missing(&frame);
             }
             let low = |f: &ActiveFault| matches!(f.kind, FaultKind::LowContrast | FaultKind::InvertedContrast);
             prop_assert!(!trusted || !faults.iter().any(low), "{faults:?}");

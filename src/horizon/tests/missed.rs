@@ -103,3 +103,53 @@ fn one_missed_read_is_no_fault_at_any_rate() {
     let mode = f.fly(10.0, 30.0, &[(2, Missing::BadPec)]).mode;
     assert_eq!((mode, f.kinds()), (Mode::Nominal, vec![]));
 }
+
+#[test]
+fn a_sensor_that_answers_now_and_then_withholds_until_it_does_for_a_while() {
+    for method in [Method::InverseSine, Method::Profile] {
+        let mut f = Flight::by(method);
+        f.for_s(1.0, 10.0, 30.0, &[]);
+        f.for_s(0.2, 10.0, 30.0, &[(2, Missing::NoAnswer)]);
+        for i in 0..500 {
+            f.fly(10.0, 30.0, if i % 4 == 3 { &[(2, Missing::NoAnswer)] } else { &[] });
+            assert_eq!((f.estimate.mode, f.estimate.attitude), (Mode::Faulted, None), "{method:?}, frame {i}");
+            assert_eq!(f.kinds(), [FaultKind::SensorLost(2)]);
+        }
+        let e = f.for_s(0.12, 10.0, 30.0, &[]);
+        assert_eq!((e.mode, e.faults.len()), (Mode::Nominal, 0), "{method:?}");
+    }
+}
+
+/// Solves what lacks one sensor at most.
+struct OneToSpare;
+
+impl Estimator for OneToSpare {
+    fn update(&mut self, frame: &Frame) -> crate::estimator::Solution {
+        let solved = frame.readings.iter().filter(|r| r.is_err()).count() <= 1;
+        crate::estimator::Solution {
+            attitude: solved.then(Attitude::default),
+            contrast_k: Some(30.0),
+            seen_k: Some([0.0, 0.0, 30.0]),
+            ..Default::default()
+        }
+    }
+}
+
+#[test]
+fn a_read_missed_beside_a_sensor_that_can_be_spared_is_a_missed_read() {
+    let mut f = Flight::new();
+    f.horizon.estimator = Box::new(OneToSpare);
+    let (one, two) = ([(2, Missing::NoAnswer)], [(2, Missing::NoAnswer), (4, Missing::BadPec)]);
+    f.for_s(1.0, 0.0, 30.0, &one);
+    for i in 0..201 {
+        let before = f.estimate.time;
+        let missed = i % 3 == 1;
+        let e = f.fly(0.0, 30.0, if missed { &two } else { &one });
+        assert_eq!((e.mode, e.attitude), (Mode::Degraded, Some(Attitude::default())), "frame {i}");
+        assert_eq!(e.time > before, !missed, "frame {i}");
+    }
+    f.for_s(0.1, 0.0, 30.0, &two);
+    assert_eq!((f.estimate.mode, f.estimate.attitude), (Mode::Degraded, Some(Attitude::default())));
+    f.fly(0.0, 30.0, &two);
+    assert_eq!((f.estimate.mode, f.estimate.attitude), (Mode::Faulted, None), "both are lost");
+}
