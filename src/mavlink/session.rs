@@ -34,6 +34,9 @@ const SILENT_AFTER_S: f64 = 3.0;
 /// and the last word is always the true one.
 const TEXTS_PER_S: u32 = 8;
 
+/// A heartbeat that tells of another state goes out at once, so long after the last one at least, s.
+const BEATS_APART_S: f64 = 0.1;
+
 /// What has been told to withhold the attitude is not told to do so again within so long, s.
 const WITHHELD_AGAIN_S: f64 = 5.0;
 
@@ -69,6 +72,8 @@ pub struct Session {
     attitude_time: Option<Time>,
     contrast_time: Option<Time>,
     next_second: Time,
+    /// The state that the last heartbeat told, and when.
+    beat: Option<(MavState, Time)>,
     /// What the last SYS_STATUS said.
     healthy: Option<bool>,
     told: Vec<Told>,
@@ -89,6 +94,7 @@ impl Session {
             attitude_time: None,
             contrast_time: None,
             next_second: now,
+            beat: None,
             healthy: None,
             told: Vec::with_capacity(16),
             told_withheld: false,
@@ -137,7 +143,7 @@ impl Session {
             {
                 None
             }
-            HEARTBEAT_DATA::ID => Some(self.heartbeat(dead, seen)),
+            HEARTBEAT_DATA::ID => Some(messages::heartbeat(Self::state(dead, seen))),
             SYS_STATUS_DATA::ID => Some(messages::sys_status(!dead && messages::healthy(&seen.moment))),
             // What is wrong is told by the next step, once more.
             STATUSTEXT_DATA::ID => {
@@ -199,9 +205,12 @@ impl Session {
             self.healthy = Some(healthy);
             send(&messages::sys_status(healthy));
         }
-        if now >= self.next_second {
-            self.next_second = after(self.next_second, SECOND, now);
-            send(&self.heartbeat(dead, seen));
+        let state = Self::state(dead, seen);
+        let another = self.beat.is_some_and(|(told, at)| told != state && now.since(at) >= BEATS_APART_S);
+        if another || now >= self.next_second {
+            self.next_second = if another { now + SECOND } else { after(self.next_second, SECOND, now) };
+            self.beat = Some((state, now));
+            send(&messages::heartbeat(state));
         }
         if self.rates.values.due(now, fresh, frame) {
             self.values(now, seen, dead, &mut send);
@@ -224,12 +233,13 @@ impl Session {
         DEAD_AFTER_S.max(DEAD_AFTER_FRAMES * self.rates.frame().as_secs_f64())
     }
 
-    fn heartbeat(&self, dead: bool, seen: &Seen) -> Message {
-        messages::heartbeat(match (dead, seen.moment.sequence) {
+    /// What a heartbeat tells.
+    fn state(dead: bool, seen: &Seen) -> MavState {
+        match (dead, seen.moment.sequence) {
             (true, _) => MavState::MAV_STATE_CRITICAL,
             (false, 0) => MavState::MAV_STATE_BOOT,
             (false, _) => messages::state(&seen.moment),
-        })
+        }
     }
 
     /// One round of named values: each only if there is one to tell.

@@ -107,6 +107,24 @@ fn the_state_tells_the_mode() {
 }
 
 #[test]
+fn another_state_is_told_at_once_and_each_second_from_then_on() {
+    use MavState::{MAV_STATE_ACTIVE as ACTIVE, MAV_STATE_CRITICAL as CRITICAL};
+    let mut session = Session::new(at(0.0), 0, &Streams::default());
+    let mut told = Vec::new();
+    for i in 0..200_u32 {
+        let secs = f64::from(i) * 0.02;
+        // Withheld from 0.3 to 2 s; from 3 s on it changes with each frame.
+        let withheld = (15..100).contains(&i) || i > 150 && i % 2 == 0;
+        let mode = if withheld { Mode::Faulted } else { Mode::Nominal };
+        let sent = step(&mut session, secs, &but(frame(u64::from(i) + 1, secs), &[], |m| m.mode = mode));
+        told.extend(states(&sent).into_iter().map(|state| (i, state)));
+    }
+    assert_eq!(told[..5], [(0, ACTIVE), (15, CRITICAL), (65, CRITICAL), (100, ACTIVE), (150, ACTIVE)]);
+    assert!((5..=10).contains(&told[5..].len()), "{told:?}");
+    assert!(told.windows(2).all(|t| t[1].0 - t[0].0 >= 5 && t[1].0 - t[0].0 <= 50), "{told:?}");
+}
+
+#[test]
 fn no_attitude_while_it_is_withheld_and_never_the_last_one() {
     let mut session = Session::new(at(0.0), 0, &Streams::default());
     assert_eq!(attitudes(&step(&mut session, 0.0, &frame(1, 0.0))), 1);
