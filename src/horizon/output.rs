@@ -12,6 +12,9 @@ use crate::config::settings::{FaultSettings, OnFault};
 use crate::fault::{ActiveFault, Evidence, FaultKind};
 use crate::time::Time;
 
+/// Frames are not placed to the nanosecond, s.
+const GRACE_S: f64 = 0.000_5;
+
 /// What estimator and fault detectors make of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
@@ -160,13 +163,13 @@ impl Output {
     /// What to show at `now` for an attitude that is withheld; nothing where nothing was shown before.
     fn stand_in(&mut self, now: Time) -> Option<Shown> {
         let shown = self.shown?;
-        let first = self.given.is_none();
         let given = *self.given.get_or_insert(shown);
         match self.on_fault {
             OnFault::Level => return Some(given.levelled(now)),
             OnFault::Hold => {
-                self.held_s += if first { 0.0 } else { now.since(shown.at).max(0.0) };
-                if self.held_s <= self.hold_s {
+                // From when it was given: what no frame has renewed since is as old.
+                self.held_s += now.since(shown.at).max(0.0);
+                if self.held_s <= self.hold_s + GRACE_S {
                     return Some(given.held(now));
                 }
             }

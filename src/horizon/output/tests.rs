@@ -118,6 +118,18 @@ fn a_moment_of_trust_gives_no_more_time_to_hold() {
 }
 
 #[test]
+fn what_is_held_is_as_old_as_it_is_and_no_older_than_may_be_held() {
+    let mut s = Stage::new(OnFault::Hold);
+    s.for_s(5.0, given(deg(30.0, 10.0), 1.0));
+    assert_eq!(s.after(120.0, Verdict::Withheld).attitude, None, "after a gap of minutes");
+    let mut s = Stage::new(OnFault::Hold);
+    s.for_s(5.0, given(deg(30.0, 10.0), 1.0));
+    s.for_s(0.4, Verdict::Nothing);
+    assert_eq!(s.for_s(2.58, Verdict::Withheld).mode, Mode::Degraded);
+    assert_eq!(s.for_s(0.04, Verdict::Withheld).mode, Mode::Faulted, "3 s after it was given");
+}
+
+#[test]
 fn level_is_eased_to_and_says_that_it_is_not_known() {
     for from in [deg(60.0, 20.0), deg(179.0, 0.0), deg(0.0, 89.9), deg(180.0, 0.0), deg(-120.0, -70.0)] {
         let mut s = Stage::new(OnFault::Level);
