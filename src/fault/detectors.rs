@@ -52,7 +52,12 @@ impl Detectors {
         self.sensors.retune(f.lost_after_s, f.back_after_s, f.stale_after_s);
     }
 
-    /// Takes in a frame, what the method makes of it, and the reason for which each bus is down. Whether the
+    /// Takes in a frame before the method does: which sensors are stuck is known then.
+    pub fn hear(&mut self, frame: &Frame) {
+        self.stuck.hear(frame);
+    }
+
+    /// Takes in what the method makes of the frame that was heard, and the reason for which each bus is down. Whether the
     /// contrast allows an attitude for all that is seen: a mere suspicion does not.
     pub fn update(&mut self, frame: &Frame, solution: &Solution, buses_down: &[Option<Missing>]) -> bool {
         let low = self.low.update(solution, frame);
@@ -65,7 +70,7 @@ impl Detectors {
             self.obstructed.rest();
         }
         self.disagree.hear(solution, frame.time);
-        self.stuck.update(frame, &solution.sensors);
+        self.stuck.judge(frame, &solution.sensors);
         self.sensors.update(frame, buses_down);
         low == State::Clear && inverted == State::Clear && !self.wet.all()
     }

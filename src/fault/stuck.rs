@@ -79,8 +79,8 @@ impl StuckSensors {
         self.after_s = after_s;
     }
 
-    /// Takes in a frame, and what the method makes of each sensor.
-    pub fn update(&mut self, frame: &Frame, sensors: &[Hearing]) {
+    /// Takes in a frame. What has long said something else again is stuck no more, and to be heard with this frame.
+    pub fn hear(&mut self, frame: &Frame) {
         let Self { head, runs, .. } = self;
         for (i, run) in runs.iter_mut().enumerate() {
             run.extend(head.reading_k(i, frame), frame.time);
@@ -89,9 +89,16 @@ impl StuckSensors {
                 run.watch(i, |j| head.reading_k(j, frame).map(|(k, _)| k));
             }
         }
-        for (run, repeating) in self.runs.iter().zip(&mut self.repeating) {
+        for (run, repeating) in self.runs.iter_mut().zip(&mut self.repeating) {
             *repeating = run.reading_k.is_some() && run.last.since(run.since) >= self.after_s;
+            if run.stuck.is_active() {
+                run.stuck.update(*repeating, frame.time);
+            }
         }
+    }
+
+    /// Takes in what the method makes of each sensor in the frame that was heard.
+    pub fn judge(&mut self, frame: &Frame, sensors: &[Hearing]) {
         let still = self.repeating.iter().all(|r| *r);
         let [roll_rate, ..] = frame.aiding.gyro_deg_s;
         let all = self.turned.rolls(roll_rate.filter(|r| r.is_finite()), still, frame.time);

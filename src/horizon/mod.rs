@@ -13,7 +13,7 @@ pub mod output;
 mod sigma_limit;
 mod stand_in;
 
-use crate::attitude::{Attitude, Estimate};
+use crate::attitude::{Attitude, Estimate, Mode};
 use crate::config::Settings;
 use crate::config::settings::Method;
 use crate::estimator::trim::Learner;
@@ -44,6 +44,8 @@ pub struct Horizon {
     head: Head,
     erratic: ErraticSensors,
     lack: Lack,
+    /// What the attitude was withheld for last.
+    withheld_for: Vec<ActiveFault>,
     /// A frame without what cannot be, and that without the sensors that are stuck.
     possible: Frame,
     heard: Frame,
@@ -81,6 +83,7 @@ impl Horizon {
             detectors: Detectors::new(f, &head),
             erratic: ErraticSensors::new(&head),
             lack: Lack::new(f.back_after_s),
+            withheld_for: Vec::with_capacity(2 * head.sensors.len() + head.buses.len() + 8),
             possible: Frame::new(head.sensors.len()),
             heard: Frame::new(head.sensors.len()),
             head,
@@ -169,6 +172,7 @@ impl Horizon {
             _ => Verdict::Nothing,
         };
         self.output.update(verdict, frame.time, self.possible.sample_time(), estimate);
+        self.name_reason(estimate);
         let stale = estimate.faults.iter().any(|f| f.kind == FaultKind::Stale);
         if stale {
             estimate.contrast_k = None;
@@ -178,10 +182,25 @@ impl Horizon {
         }
     }
 
+    /// No attitude is missing for no reason: that fault is named until there is one, or another fault.
+    fn name_reason(&mut self, estimate: &mut Estimate) {
+        let withheld = match estimate.mode {
+            Mode::Starting | Mode::Nominal => false,
+            Mode::Degraded => !estimate.measured,
+            Mode::Faulted => true,
+        };
+        if withheld && estimate.faults.is_empty() {
+            estimate.faults.extend_from_slice(&self.withheld_for);
+        } else if withheld {
+            self.withheld_for.clone_from(&estimate.faults);
+        }
+    }
+
     /// Copies a frame without what cannot be, and without the sensors that are stuck.
     fn hear(&mut self, frame: &Frame) {
         self.possible.clone_from(frame);
         self.erratic.take_out(&mut self.possible);
+        self.detectors.hear(&self.possible);
         self.heard.clone_from(&self.possible);
         for (i, reading) in self.heard.readings.iter_mut().enumerate() {
             if self.detectors.is_stuck(i) {

@@ -1,5 +1,4 @@
 use super::*;
-use crate::attitude::Mode;
 use crate::config::Settings;
 use crate::direction::Direction;
 use crate::fault::FaultKind;
@@ -43,6 +42,12 @@ impl Flight {
 
     /// The next frame: `contrast_k` at level, `missing` by sensor.
     fn fly(&mut self, roll_deg: f64, contrast_k: f64, missing: &[(usize, Missing)]) -> &Estimate {
+        let frame = self.frame(roll_deg, contrast_k, missing);
+        self.horizon.update(&frame, &[], &mut self.estimate);
+        &self.estimate
+    }
+
+    fn frame(&mut self, roll_deg: f64, contrast_k: f64, missing: &[(usize, Missing)]) -> Frame {
         self.now_s += 0.02;
         let time = Time::from_secs_f64(self.now_s);
         let vertical = Attitude::from_degrees(roll_deg, 0.0).vertical();
@@ -56,8 +61,7 @@ impl Flight {
         for (sensor, reason) in missing {
             frame.readings[*sensor] = Err(*reason);
         }
-        self.horizon.update(&frame, &[], &mut self.estimate);
-        &self.estimate
+        frame
     }
 
     /// As many frames as `seconds` hold; the estimate after the last.

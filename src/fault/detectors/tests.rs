@@ -96,6 +96,7 @@ proptest! {
         for (time, readings, aiding, solution, down) in steps {
             let frame = Frame { time, readings, aiding };
             let buses = [down.then_some(Missing::BusHeld), None, Some(Missing::BusGone)];
+            detectors.hear(&frame);
             let trusted = detectors.update(&frame, &solution, &buses[..usize::from(down) * 3]);
             let doubt = detectors.compare(solution.attitude.filter(|_| trusted).map(|a| (a, solution.sigma)), false, &frame);
             prop_assert!(!(doubt.roll < 0.0 || doubt.pitch < 0.0));
@@ -126,7 +127,9 @@ fn a_wall_seen_for_a_moment_before_the_fog_is_not_told_at_the_first_sight_after_
         for _ in 0..(50.0 * seconds).round() as u32 {
             time_s += 0.02;
             let solution = Solution { hidden: Some(hidden_deg.to_radians()), ..seen(contrast_k) };
-            detectors.update(&frame(time_s, &[3.0; 6], None), &solution, &[]);
+            let frame = frame(time_s, &[3.0; 6], None);
+            detectors.hear(&frame);
+            detectors.update(&frame, &solution, &[]);
         }
         let mut faults = Vec::new();
         detectors.report(&mut faults);

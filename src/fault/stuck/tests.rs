@@ -23,7 +23,9 @@ impl Flight {
             self.scan += 1;
             let time_s = 100.0 + STEP_S * f64::from(self.scan);
             let shown: Vec<f64> = (0..6).map(|i| show(i, time_s)).collect();
-            self.stuck.update(&frame(time_s, &shown, None), sensors);
+            let frame = frame(time_s, &shown, None);
+            self.stuck.hear(&frame);
+            self.stuck.judge(&frame, sensors);
             faulty += u32::from((0..6).any(|i| self.stuck.is_stuck(i)));
         }
         faulty
@@ -168,7 +170,8 @@ fn all_are_stuck_that_say_the_same_while_a_gyro_rolls() {
             flight.scan += 1;
             let mut frame = frame(100.0 + STEP_S * f64::from(flight.scan), &[3.0; 6], None);
             frame.aiding.gyro_deg_s[0] = rate_deg_s;
-            flight.stuck.update(&frame, &[]);
+            flight.stuck.hear(&frame);
+            flight.stuck.judge(&frame, &[]);
         }
         assert_eq!(flight.stuck().len(), stuck, "{rate_deg_s:?}");
         flight.fly(1.0, &[], turning);

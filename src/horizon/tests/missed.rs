@@ -1,6 +1,7 @@
 //! Reads that are missed: now and then, for a while, and always one or another.
 
 use super::*;
+use crate::config::settings::OnFault;
 
 #[test]
 fn one_missed_read_says_nothing_new_and_is_no_fault() {
@@ -152,4 +153,48 @@ fn a_read_missed_beside_a_sensor_that_can_be_spared_is_a_missed_read() {
     assert_eq!((f.estimate.mode, f.estimate.attitude), (Mode::Degraded, Some(Attitude::default())));
     f.fly(0.0, 30.0, &two);
     assert_eq!((f.estimate.mode, f.estimate.attitude), (Mode::Faulted, None), "both are lost");
+}
+
+#[test]
+fn what_withholds_is_named_until_an_attitude_is_given() {
+    for on_fault in [OnFault::Withhold, OnFault::Hold, OnFault::Level] {
+        let mut settings = by(Method::InverseSine);
+        settings.faults.on_fault = on_fault;
+        let mut f = Flight::with(&settings);
+        f.for_s(1.0, 10.0, 30.0, &[]);
+        f.for_s(0.2, 10.0, 30.0, &[(2, Missing::NoAnswer)]);
+        f.for_s(0.1, 10.0, 30.0, &[]);
+        // It is back with a frame in which another one is missed.
+        let e = f.fly(10.0, 30.0, &[(4, Missing::BadPec)]);
+        assert!(!e.measured, "{on_fault:?}");
+        assert_eq!(f.kinds(), [FaultKind::SensorLost(2)], "{on_fault:?}");
+        let e = f.fly(10.0, 30.0, &[]);
+        assert!(e.measured && e.mode == Mode::Nominal && e.faults.is_empty(), "{on_fault:?}: {e:?}");
+    }
+}
+
+#[test]
+fn a_sensor_that_is_stuck_no_more_is_heard_with_the_same_frame() {
+    let mut f = Flight::new();
+    let (mut stuck, mut frozen) = (0, None);
+    for i in 0..1000_u32 {
+        let roll_deg = 40.0 * (f64::from(i) * 0.04).sin();
+        let mut frame = f.frame(roll_deg, 40.0, &[]);
+        for reading in &mut frame.readings[..2] {
+            let Ok(Sample { value: Value::Absolute { object_c, .. }, .. }) = reading else { panic!("{reading:?}") };
+            *object_c += 0.3 * (f64::from(i) * 0.7).sin();
+        }
+        let time = frame.time;
+        if (300..600).contains(&i) {
+            let value = *frozen.get_or_insert(frame.readings[2].unwrap().value);
+            frame.readings[2] = Ok(Sample { value, time });
+        }
+        f.horizon.update(&frame, &[], &mut f.estimate);
+        stuck += u32::from(f.kinds() == [FaultKind::SensorStuck(2)] && f.estimate.mode == Mode::Faulted);
+        let withheld = f.estimate.mode == Mode::Faulted;
+        assert!(!withheld || f.kinds().contains(&FaultKind::SensorStuck(2)), "frame {i}: {:?}", f.kinds());
+        // It has said something else for half a second.
+        assert!(i < 625 || !withheld, "frame {i}");
+    }
+    assert!(stuck > 100 && f.estimate.mode == Mode::Nominal, "{stuck} {:?}", f.estimate);
 }
