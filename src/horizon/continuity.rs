@@ -27,7 +27,7 @@ const LATELY_S: f64 = 0.5;
 const NONE: f64 = 0.01 / 180.0 * PI;
 
 /// The angle between two unit vectors, rad.
-pub(super) fn angle(a: Vector, b: Vector) -> f64 {
+pub(crate) fn angle(a: Vector, b: Vector) -> f64 {
     length(cross(a, b)).atan2(dot(a, b))
 }
 
@@ -42,7 +42,7 @@ fn turn(from: Vector, to: Vector) -> Vector {
 }
 
 /// The unit vector `share` of the way from `from` to `to`.
-pub(super) fn between(from: Vector, to: Vector, share: f64) -> Vector {
+pub(crate) fn between(from: Vector, to: Vector, share: f64) -> Vector {
     product(&rotation(turn(from, to).map(|c| c * share)), from)
 }
 

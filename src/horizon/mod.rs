@@ -13,6 +13,8 @@ pub mod output;
 mod sigma_limit;
 mod stand_in;
 
+pub(crate) use continuity::{angle, between};
+
 use crate::attitude::{Attitude, Estimate, Mode};
 use crate::config::Settings;
 use crate::config::settings::Method;
