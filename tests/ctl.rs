@@ -35,7 +35,8 @@ impl Daemon for Fake {
     }
 }
 
-const SCENES: [&str; 12] = [
+const SCENES: [&str; 13] = [
+    "back",
     "wet",
     "held",
     "level",
@@ -122,6 +123,10 @@ fn scene(name: &str) -> Status {
             s.sensors[0].state = "no answer".into();
             (s.sensors[0].object_c, s.sensors[0].ambient_c) = (None, None);
             s.sensors[0].counters.push(("no-answer".into(), 602));
+        }
+        "back" => {
+            s.mode = "degraded".into();
+            s.faults = vec![fault("sensor-lost:nose", 12.04, "no answer, 602 reads in a row")];
         }
         "faulted" => {
             withhold(&mut s, "faulted");
@@ -277,7 +282,7 @@ fn wrong_usage_is_exit_64_and_help_is_not() {
 
 #[test]
 fn sensors_as_a_table_and_as_json() {
-    for scene in ["nominal", "degraded", "pairs", "wet"] {
+    for scene in ["nominal", "degraded", "pairs", "wet", "back"] {
         golden(&format!("sensors-{scene}.txt"), &ctl(&format!("--bus fake:{scene} sensors")).1);
     }
     let out = ctl("--bus fake:pairs sensors --format json").1;

@@ -60,7 +60,7 @@ fn dispatch(cli: &Cli, kit: &Kit, out: &mut dyn Write, err: &mut dyn Write) -> R
         Command::Sensors { format } => {
             let status = ask(&cli.bus, kit)?;
             let text = match format {
-                SensorsFormat::Plain => sensors::table(&status.sensors) + &sensors::remedies(&status),
+                SensorsFormat::Plain => sensors::table(&status) + &sensors::remedies(&status),
                 SensorsFormat::Json => json(&status.sensors)?,
             };
             print(out, &text)?;

@@ -1,6 +1,6 @@
 //! The sensors as a table.
 
-use super::status::finite;
+use super::status::{duration, finite};
 use super::view::{Fault, Sensor, Status};
 use crate::bus::explain::{Facts, Place, explain_missing};
 use crate::frame::Missing;
@@ -9,13 +9,15 @@ use std::path::{Path, PathBuf};
 
 const TITLES: [&str; 12] =
     ["NAME", "LOOKS", "CHIP", "AT", "OBJECT", "OWN", "VOLTS", "RESIDUAL", "SETTLES", "CHECK", "STATE", "COUNTS"];
+/// The fault of which this table says what to look at.
+const LOST: &str = "sensor-lost:";
 /// The columns that hold numbers stand to the right.
 const RIGHT: std::ops::Range<usize> = 4..9;
 
 /// A line for each sensor under a line of titles, columns aligned.
-pub fn table(sensors: &[Sensor]) -> String {
+pub fn table(s: &Status) -> String {
     let mut rows = vec![TITLES.map(str::to_owned)];
-    rows.extend(sensors.iter().map(cells));
+    rows.extend(s.sensors.iter().map(|x| cells(x, &s.faults)));
     let widths: [usize; TITLES.len()] =
         std::array::from_fn(|i| rows.iter().map(|r| r[i].chars().count()).max().unwrap_or(0));
     let mut text = String::new();
@@ -33,16 +35,40 @@ pub fn table(sensors: &[Sensor]) -> String {
     text
 }
 
-/// Under the table: why each sensor gives nothing or is left out, and what to do about it; of one that gives nothing
-/// by what this machine knows of its bus.
+/// Under the table: each sensor's faults, why it gives nothing or is left out, and what to do about it; of one that gives
+/// nothing by what this machine knows of its bus.
 pub fn remedies(s: &Status) -> String {
-    let lines: Vec<String> = s.sensors.iter().flat_map(|x| missing(x).or_else(|| rejected(x, &s.faults))).collect();
+    let lines: Vec<String> = s.sensors.iter().flat_map(|x| remedy(x, &s.faults)).collect();
     lines.iter().enumerate().map(|(i, line)| format!("{}{line}\n", if i == 0 { "\n" } else { "" })).collect()
 }
 
-/// Why there is no measurement of `s`.
-fn missing(s: &Sensor) -> Option<String> {
-    let why = Missing::from_words(&s.state).filter(|m| !s.bus.is_empty() && *m != Missing::NotYet)?;
+/// The faults of `s` itself, since when and what to do, and why there is no measurement of it.
+fn remedy(s: &Sensor, faults: &[Fault]) -> Vec<String> {
+    let why = missing(s, faults).and_then(|why| explain(s, why));
+    let line = |f: &Fault| {
+        let known = format!("{} for {} ({})", f.name, duration(f.for_s), f.evidence);
+        // What to look at is said here.
+        if f.name.starts_with(LOST) || f.advice.is_empty() { known } else { format!("{known}: {}", f.advice) }
+    };
+    own(s, faults).map(line).chain(why).collect()
+}
+
+/// `wet-sensor:nose`.
+fn own<'a>(s: &'a Sensor, faults: &'a [Fault]) -> impl Iterator<Item = &'a Fault> {
+    faults.iter().filter(|f| f.name.split_once(':').is_some_and(|(_, name)| name == s.name))
+}
+
+/// Why there is no measurement of `s`: of now, or of a fault that is not over yet.
+fn missing(s: &Sensor, faults: &[Fault]) -> Option<Missing> {
+    let told = |f: &Fault| f.evidence.split(", ").next().and_then(Missing::from_words);
+    Missing::from_words(&s.state).or_else(|| own(s, faults).find_map(told))
+}
+
+/// What to look at where there is no measurement of `s`.
+fn explain(s: &Sensor, why: Missing) -> Option<String> {
+    if s.bus.is_empty() || why == Missing::NotYet {
+        return None;
+    }
     let chip = if s.kind == "ads1115" { "ADS1115" } else { "MLX90614" };
     let bus = PathBuf::from(&s.bus);
     // The daemon's user counts, not ours: the one of its unit.
@@ -51,14 +77,7 @@ fn missing(s: &Sensor) -> Option<String> {
     Some(explain_missing(&place, why, &facts))
 }
 
-/// The faults of `s` itself: `wet-sensor:nose`.
-fn rejected(s: &Sensor, faults: &[Fault]) -> Option<String> {
-    let own = faults.iter().filter(|f| f.name.split_once(':').is_some_and(|(_, name)| name == s.name));
-    let lines: Vec<String> = own.map(|f| format!("{} ({}): {}", f.name, f.evidence, f.advice)).collect();
-    (!lines.is_empty()).then(|| lines.join("\n"))
-}
-
-fn cells(s: &Sensor) -> [String; TITLES.len()] {
+fn cells(s: &Sensor, faults: &[Fault]) -> [String; TITLES.len()] {
     let value = |v: Option<f64>, decimals: usize, unit: &str| {
         finite(v).map_or_else(|| "-".to_owned(), |v| format!("{v:.decimals$} {unit}"))
     };
@@ -77,7 +96,7 @@ fn cells(s: &Sensor) -> [String; TITLES.len()] {
             .map_or_else(|| "-".to_owned(), |k| format!("{:+.2} K", if k.abs() < 0.005 { 0.0 } else { k })),
         settles,
         s.integrity.clone(),
-        s.state.clone(),
+        missing(s, faults).map_or_else(|| s.state.clone(), |why| why.to_string()),
         counts.collect::<Vec<_>>().join(", "),
     ]
 }

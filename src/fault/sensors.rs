@@ -1,6 +1,6 @@
 //! Sensors and buses that give nothing, and measurements that are too old.
 
-use super::debounce::Debounce;
+use super::debounce::{Debounce, State};
 use super::{ActiveFault, Evidence, FaultKind};
 use crate::frame::{Frame, Missing};
 use crate::head::Head;
@@ -11,7 +11,9 @@ use crate::time::Time;
 struct Watch {
     gone: Debounce,
     reason: Missing,
+    /// Failed reads in a row, until now and at most since it was last sound.
     failures: u32,
+    most: u32,
 }
 
 /// Sees `sensor-lost`, `sensor-saturated`, `bus-down` and `stale`.
@@ -30,7 +32,8 @@ impl SensorDetector {
     /// A sensor is lost after `lost_after_s` without a measurement and back after `back_after_s` of
     /// measurements; all together are stale when the newest is older than `stale_after_s`.
     pub fn new(head: Head, lost_after_s: f64, back_after_s: f64, stale_after_s: f64) -> Self {
-        let watch = Watch { gone: Debounce::new(lost_after_s, back_after_s), reason: Missing::NotYet, failures: 0 };
+        let watch =
+            Watch { gone: Debounce::new(lost_after_s, back_after_s), reason: Missing::NotYet, failures: 0, most: 0 };
         Self {
             sensors: vec![watch; head.sensors.len()],
             buses: vec![watch; head.buses.len()],
@@ -102,11 +105,47 @@ impl Watch {
         } else {
             self.failures = 0;
         }
-        self.gone.update(missing.is_some(), now);
+        let sound = self.gone.update(missing.is_some(), now) == State::Clear;
+        self.most = if sound { 0 } else { self.most.max(self.failures) };
     }
 
     fn fault(&self, kind: FaultKind) -> ActiveFault {
-        let evidence = Evidence::Missing { reason: self.reason, failures: self.failures };
+        let evidence = Evidence::Missing { reason: self.reason, failures: self.most };
         ActiveFault { kind, since: self.gone.since(), evidence }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fault::kit::{frame, told};
+
+    #[test]
+    fn the_evidence_is_of_the_longest_silence_while_the_fault_stands() {
+        let mut detector = SensorDetector::new(Head::six(), 0.1, 0.1, 0.5);
+        let mut now_s = 10.0;
+        let mut after = |missed: u32, read: u32| {
+            for i in 0..missed + read {
+                now_s += 0.02;
+                let mut frame = frame(now_s, &[3.0; 6], None);
+                if i < missed {
+                    frame.readings[2] = Err(Missing::NoAnswer);
+                }
+                detector.update(&frame, &[]);
+            }
+            told(|faults| detector.report(faults)).first().map(|(_, evidence)| evidence.to_string())
+        };
+        assert_eq!(after(3, 5), None);
+        for (missed, read) in [(9, 0), (0, 1), (2, 1), (8, 5)] {
+            assert_eq!(after(missed, read).as_deref(), Some("no answer, 9 reads in a row"));
+        }
+        assert_eq!(after(12, 1).as_deref(), Some("no answer, 12 reads in a row"));
+        assert_eq!(after(0, 9), None);
+        assert_eq!(after(6, 0).as_deref(), Some("no answer, 6 reads in a row"), "another fault");
+        let mut slow = SensorDetector::new(Head::six(), 0.0, 0.1, 0.5);
+        let mut missed = frame(20.0, &[3.0; 6], None);
+        missed.readings[2] = Err(Missing::NoAnswer);
+        slow.update(&missed, &[]);
+        assert_eq!(told(|faults| slow.report(faults))[0].1.to_string(), "no answer, 1 read");
     }
 }

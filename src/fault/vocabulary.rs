@@ -47,7 +47,7 @@ pub enum Evidence {
     Missing {
         /// The reason given last.
         reason: Missing,
-        /// Failed reads in a row.
+        /// Failed reads in a row, the most of them while the fault has been there.
         failures: u32,
     },
 }
@@ -56,6 +56,7 @@ impl fmt::Display for Evidence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Limit { value, limit, unit } => write!(f, "{value:.2} {unit}, limit {limit:.2} {unit}"),
+            Self::Missing { reason, failures: 1 } => write!(f, "{reason}, 1 read"),
             Self::Missing { reason, failures } => write!(f, "{reason}, {failures} reads in a row"),
         }
     }
