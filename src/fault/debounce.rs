@@ -7,6 +7,9 @@ use std::time::Duration;
 /// What was not looked at was not seen to last: more than so much between two looks, s, counts for so much.
 const UNSEEN_S: (f64, f64) = (3.0, 0.5);
 
+/// A wary one is over when it has been gone in so many looks, or for so long, s.
+const WARY: (u32, f64) = (10, 3.0);
+
 /// Where a condition stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
@@ -28,13 +31,22 @@ pub struct Debounce {
     changing_since: Option<Time>,
     active_since: Time,
     looked: Option<Time>,
+    wary: bool,
+    /// How many looks have found it other than `active` says.
+    looks: u32,
 }
 
 impl Debounce {
     /// Believed after `on_after_s` seconds, over after `off_after_s` seconds.
     pub fn new(on_after_s: f64, off_after_s: f64) -> Self {
         let active_since = Time::default();
-        Self { on_after_s, off_after_s, active: false, changing_since: None, active_since, looked: None }
+        let (wary, looks) = (false, 0);
+        Self { on_after_s, off_after_s, active: false, changing_since: None, active_since, looked: None, wary, looks }
+    }
+
+    /// One that takes ten looks at least to be over: by chance alone it is gone in two or three.
+    pub fn wary(self) -> Self {
+        Self { wary: true, ..self }
     }
 
     /// Other times, from now on.
@@ -49,13 +61,15 @@ impl Debounce {
             let unseen = Duration::from_secs_f64(between_s - UNSEEN_S.1);
             self.changing_since = self.changing_since.map(|since| since + unseen);
         }
+        self.looks = if self.changing_since.is_some() { self.looks.saturating_add(1) } else { 1 };
         if present == self.active {
             self.changing_since = None;
         } else {
             let since = *self.changing_since.get_or_insert(now);
+            let few = self.wary && !present && self.looks < WARY.0 && now.since(since) < WARY.1;
             let needed = if present { self.on_after_s } else { self.off_after_s };
             // Half a millisecond of grace: scans are not placed to the nanosecond.
-            if now.since(since) >= needed - 0.000_5 {
+            if now.since(since) >= needed - 0.000_5 && !few {
                 self.active = present;
                 self.active_since = since;
                 self.changing_since = None;
@@ -139,6 +153,22 @@ mod tests {
         assert_eq!(d.update(false, at(13.0)), State::Active);
         assert_eq!(d.update(false, at(15.9)), State::Active);
         assert_eq!(d.update(false, at(16.0)), State::Clear);
+    }
+
+    #[test]
+    fn a_wary_one_is_over_after_ten_looks_or_three_seconds() {
+        let over_after = |d: Debounce, every_ms: u64| {
+            let at = |i: u64| Time::from_nanos(10_000_000_000 + i * every_ms * 1_000_000);
+            let mut d = d;
+            assert_eq!(d.update(true, at(0)), State::Active);
+            // What is gone for less does not count.
+            (1..=3).for_each(|i| assert_eq!(d.update(i == 3, at(i)), State::Active, "{every_ms} ms"));
+            (4..500).find(|i| d.update(false, at(*i)) == State::Clear).map(|i| i - 3)
+        };
+        let (plain, wary) = (Debounce::new(0.0, 0.1), Debounce::new(0.0, 0.1).wary());
+        assert_eq!([5, 20, 100, 1000].map(|ms| over_after(wary, ms)), [21, 10, 10, 4].map(Some));
+        assert_eq!(over_after(plain, 20), Some(6));
+        assert_eq!(over_after(Debounce::new(0.0, 5.0).wary(), 1000), Some(6), "a longer time of its own");
     }
 
     #[test]

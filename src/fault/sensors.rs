@@ -29,11 +29,15 @@ pub struct SensorDetector {
 }
 
 impl SensorDetector {
-    /// A sensor is lost after `lost_after_s` without a measurement and back after `back_after_s` of
-    /// measurements; all together are stale when the newest is older than `stale_after_s`.
+    /// A sensor is lost after `lost_after_s` without a measurement and back after `back_after_s` and
+    /// ten of measurements; all together are stale when the newest is older than `stale_after_s`.
     pub fn new(head: Head, lost_after_s: f64, back_after_s: f64, stale_after_s: f64) -> Self {
-        let watch =
-            Watch { gone: Debounce::new(lost_after_s, back_after_s), reason: Missing::NotYet, failures: 0, most: 0 };
+        let watch = Watch {
+            gone: Debounce::new(lost_after_s, back_after_s).wary(),
+            reason: Missing::NotYet,
+            failures: 0,
+            most: 0,
+        };
         Self {
             sensors: vec![watch; head.sensors.len()],
             buses: vec![watch; head.buses.len()],

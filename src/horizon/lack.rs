@@ -11,9 +11,9 @@ pub(super) struct Lack {
 }
 
 impl Lack {
-    /// Over after `back_after_s` of solutions without a break.
+    /// Over after `back_after_s` and ten of solutions without a break.
     pub fn new(back_after_s: f64) -> Self {
-        Self { unsolved: Debounce::new(0.0, back_after_s), back_after_s }
+        Self { unsolved: Debounce::new(0.0, back_after_s).wary(), back_after_s }
     }
 
     /// Another time.
@@ -51,7 +51,7 @@ mod tests {
             assert!(lack.update(true, i % 5 != 4, i % 2 == 0, at(80 + 20 * i)), "frame {i}");
         }
         let mut given = |i: u64| !lack.update(true, true, true, at(10_080 + 20 * i));
-        assert_eq!((0..7).map(&mut given).collect::<Vec<_>>(), [false, false, false, false, false, true, true]);
+        assert_eq!((0..11).position(&mut given), Some(9));
         assert!(lack.update(true, false, true, at(10_300)));
         assert!(!lack.update(false, true, true, at(10_320)), "the fault is gone");
         assert!(!lack.update(true, true, true, at(10_340)));
