@@ -1,19 +1,26 @@
 //! What the method cannot do without: a sensor's fault withholds at once, until there have been solutions for a while.
 
-use crate::fault::debounce::{Debounce, State};
+use crate::fault::debounce::Debounce;
 use crate::time::Time;
+
+/// Where it withholds again within so long, s, solutions must have come for twice as long as before, so many s at most.
+const AGAIN_S: f64 = 10.0;
+const LONGEST_S: f64 = 3.0;
 
 /// Whether a sensor's fault withholds the attitude.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lack {
     unsolved: Debounce,
     back_after_s: f64,
+    /// How many times as long they must come now, and when it withheld last.
+    times: f64,
+    withheld: Option<Time>,
 }
 
 impl Lack {
     /// Over after `back_after_s` and ten of solutions without a break.
     pub fn new(back_after_s: f64) -> Self {
-        Self { unsolved: Debounce::new(0.0, back_after_s).wary(), back_after_s }
+        Self { unsolved: Debounce::new(0.0, back_after_s).wary(), back_after_s, times: 1.0, withheld: None }
     }
 
     /// Another time.
@@ -27,10 +34,22 @@ impl Lack {
     pub fn update(&mut self, stands: bool, solved: bool, named: bool, now: Time) -> bool {
         if !stands {
             *self = Self::new(self.back_after_s);
-        } else if solved || named || self.unsolved.is_active() {
-            return self.unsolved.update(!solved, now) == State::Active;
+            return false;
         }
-        false
+        let before = self.unsolved.is_active();
+        if solved || named || before {
+            self.unsolved.update(!solved, now);
+        }
+        let withholds = self.unsolved.is_active();
+        if withholds && !before {
+            let again = self.withheld.is_some_and(|at| now.since(at) < AGAIN_S);
+            self.times = if again { (2.0 * self.times).min(64.0) } else { 1.0 };
+            self.unsolved.retune(0.0, (self.times * self.back_after_s).min(self.back_after_s.max(LONGEST_S)));
+        }
+        if withholds {
+            self.withheld = Some(now);
+        }
+        withholds
     }
 }
 
@@ -55,5 +74,20 @@ mod tests {
         assert!(lack.update(true, false, true, at(10_300)));
         assert!(!lack.update(false, true, true, at(10_320)), "the fault is gone");
         assert!(!lack.update(true, true, true, at(10_340)));
+    }
+
+    #[test]
+    fn what_is_withheld_again_and_again_is_so_for_longer() {
+        let mut lack = Lack::new(0.1);
+        let at = |i: u64| Time::from_nanos(5_000_000_000 + i * 20_000_000);
+        // Half a second of solutions, then one frame without: the fault stands all the while.
+        let states: Vec<bool> = (0..1000).map(|i| lack.update(true, i % 26 != 0, true, at(i))).collect();
+        let changes = states.windows(2).filter(|w| w[0] != w[1]).count();
+        assert!(changes <= 6 && states[999], "{changes}");
+        // After 3 s of them it is given; and 10 s later it is as at first.
+        let given = |lack: &mut Lack, from| (from..from + 200).find(|i| !lack.update(true, true, true, at(*i)));
+        assert!(given(&mut lack, 1000).is_some_and(|i| i < 1152));
+        assert!(lack.update(true, false, true, at(2000)));
+        assert_eq!(given(&mut lack, 2001), Some(2010));
     }
 }
