@@ -95,8 +95,8 @@ impl FieldEstimator {
     pub(super) fn set_rates(&mut self) {
         let (bias, lag) = if self.gyro.in_use() { (self.bias_seen(), self.lag) } else { Default::default() };
         let (t, s, gyro) = (&self.tuning, &mut self.state, self.gyro.in_use());
-        for i in 0..3 {
-            s.x[RATE + i] = -bias[i];
+        for (i, bias) in bias.into_iter().enumerate() {
+            s.x[RATE + i] = -bias;
             s.set_variance(RATE + i, (if gyro { t.bias.0 } else { t.rate_sigma[i] }).powi(2));
         }
         for i in LEAN..LEAN + 2 {
