@@ -16,8 +16,8 @@
 //! - `form`: sensors that see in another form than said; `averaging`: how much they average in radiance; `calibration`:
 //!   how far they are off; `expected`: states of which more is expected later;
 //! - `stuck`: a sensor that always says the same; `gyro`: body rates, and when to believe them; `turns`: whether they turn as
-//!   is seen; `carried`: where they turn what was given before; `askew`: a gyro whose axes are not the head's; `rest`: whether
-//!   what is seen moves;
+//!   is seen; `drift`: a bias that has changed; `carried`: where they turn what was given before; `askew`: a gyro whose axes
+//!   are not the head's; `rest`: whether what is seen moves;
 //! - `aid`: the slow references; `reference_noise`: how much these are off;
 //! - `unheard`: what a sensor left out might have been right about; `misjudged`: whether it is the wrong one;
 //!   `alone`: what one tells whose opposite is not heard;
