@@ -39,8 +39,8 @@ impl FieldEstimator {
 
     /// Whether a sensor is left out where nothing but the others tells that, and not its die.
     fn by_fewer(&self) -> bool {
-        let (all, w) = (0..self.model.sensors(), &self.witnesses);
-        let left_out = all.clone().any(|i| w.standing(i) == Standing::LeftOut);
-        left_out && !all.into_iter().any(|i| w.sees_film(i)) && !self.gyro.in_use()
+        let mut left_out =
+            (0..self.model.sensors()).filter(|i| self.witnesses.standing(*i) == Standing::LeftOut).peekable();
+        left_out.peek().is_some() && !left_out.any(|i| self.witnesses.sees_film(i)) && !self.gyro.in_use()
     }
 }
