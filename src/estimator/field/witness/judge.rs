@@ -51,11 +51,12 @@ impl Witnesses {
         let film = self.film(model).filter(|_| enough && !second);
         let enough = enough && !common && self.elsewhere() < most - AHEAD;
         let leads = |c: &Case| enough && c.standing != Standing::LeftOut && c.surprise > most - AHEAD;
-        let cases = &mut self.cases[..n];
+        let (cases, steady) = (&mut self.cases[..n], &self.steady);
         let upright = (0..n).filter(|i| is_upright(model, *i) && leads(&cases[*i]));
         let farthest_k = upright.filter_map(|i| cases[i].residual_k).fold(0.0, |most: f64, k| most.max(k.abs()));
         let is_near = |c: &Case| c.residual_k.is_some_and(|k| FARTHER * k.abs() < farthest_k);
-        let plausible = |i: usize, c: &Case| leads(c) && !(is_upright(model, i) && is_near(c));
+        let spared = |i: usize| steady.spares(model, i);
+        let plausible = |i: usize, c: &Case| leads(c) && !(is_upright(model, i) && is_near(c)) && !spared(i);
         let count = cases.iter().enumerate().filter(|(i, c)| plausible(*i, c)).count();
         let apart = level_pairs(model).any(|(i, j)| plausible(i, &cases[i]) && plausible(j, &cases[j]));
         let nearly = if apart && most > SURELY && self.shown.is_none() { NEARLY } else { AHEAD };
@@ -81,7 +82,8 @@ impl Witnesses {
 
     /// The one sensor that a film is on.
     fn film(&self, model: &Model) -> Option<usize> {
-        let mut films = (0..model.sensors()).filter(|i| self.cases[*i].has_film(is_upright(model, *i)));
+        let is_one = |i: &usize| self.cases[*i].has_film(is_upright(model, *i)) && !self.steady.spares(model, *i);
+        let mut films = (0..model.sensors()).filter(is_one);
         films.next().filter(|_| films.next().is_none())
     }
 

@@ -7,6 +7,7 @@
 //!
 //! - `filter`: a witness; `case`: what speaks against one sensor; `follow`: whether it follows what it should show; `film`:
 //!   whether it shows its own die; `other`: what else there is to blame;
+//! - `steady`: whether the sky is as it was, but for one sensor;
 //! - `judge`: from surprises to standings; `rival`: whether it was the sensor on the other side.
 
 mod case;
@@ -16,6 +17,7 @@ mod follow;
 mod judge;
 mod other;
 mod rival;
+mod steady;
 
 use super::gyro::shown;
 use super::model::{Model, Scene};
@@ -32,6 +34,7 @@ use judge::is_upright;
 pub use judge::level_pairs;
 use other::Other;
 use rival::Rival;
+use steady::SteadySky;
 
 /// Readings are averaged over this time before witnesses hear them, s.
 const STEP_S: f64 = 0.05;
@@ -94,6 +97,8 @@ pub struct Witnesses {
     without: Vec<Witness>,
     /// Those by whom no sensor is to blame.
     others: Vec<Other>,
+    /// Those by whom the sky is as it was, where there is no gyro.
+    steady: SteadySky,
     cases: [Case; MAX_SENSORS],
     /// The other verdict beside the last.
     rival: Option<Rival>,
@@ -112,7 +117,12 @@ pub struct Witnesses {
 impl Witnesses {
     /// With room for `sensors`.
     pub fn new(sensors: usize) -> Self {
-        Self { without: Vec::with_capacity(sensors), others: Vec::with_capacity(2 + sensors / 2), ..Self::default() }
+        Self {
+            without: Vec::with_capacity(sensors),
+            others: Vec::with_capacity(2 + sensors / 2),
+            steady: SteadySky::new(sensors),
+            ..Self::default()
+        }
     }
 
     /// Where sensor `i` stands.
@@ -187,6 +197,7 @@ impl Witnesses {
     ) {
         if !(0.0..GAP_S).contains(&dt_s) || self.shown.is_some() != known.gyro.is_some() {
             self.restart();
+            self.steady.forget();
         }
         let w = &mut self.window;
         for (i, reading) in readings.iter().enumerate() {
@@ -254,6 +265,9 @@ impl Witnesses {
         };
         let readings: [Option<f64>; MAX_SENSORS] =
             std::array::from_fn(|i| (window.count[i] > 0).then(|| window.sum[i] / f64::from(window.count[i])));
+        if gyro.is_none() && self.disbelieves_change(model, known, &step, &readings) {
+            return;
+        }
         let Some(all) = &mut self.all else { return };
         let whole = all.hear(model, &step, &readings);
         for other in &mut self.others {

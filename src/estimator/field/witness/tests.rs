@@ -426,3 +426,43 @@ fn what_one_does_the_others_do_not_take_upon_them() {
         assert_eq!((4..6).find(|i| w.standing(*i) == Standing::LeftOut), left_out, "{off_k:?}");
     }
 }
+
+/// A film that grows for half a minute is small beside what ground and contrast may do meanwhile. Beside a sky that stays as it
+/// is it is not: only who does not hear it is not surprised.
+#[test]
+fn a_sky_that_is_as_it_was_spares_all_but_one() {
+    for (sensor, opposite) in [(4, 5), (2, 3)] {
+        let mut court = Court::of(6, false);
+        court.ambient_c = [Some(24.0); MAX_SENSORS];
+        let spared = |court: &Court| [sensor, opposite].map(|i| court.witnesses.steady.spares(&court.model, i));
+        assert_eq!(court.hear(70.0, |_| {}), [0; 0]);
+        assert_eq!(spared(&court), [false; 2], "nothing has changed");
+        for second in 1..=35 {
+            let share = 0.93 * f64::from(second) / 35.0;
+            let out = court.hear(1.0, |readings| {
+                readings[sensor] = readings[sensor].map(|k| k + share * (24.0 - k));
+            });
+            assert!(out.iter().all(|i| *i == sensor), "{out:?} after {second} s");
+        }
+        assert_eq!(spared(&court), [false, true]);
+        assert_eq!(court.witnesses.standing(sensor), Standing::LeftOut);
+        // A pause ends what is known of before.
+        court.witnesses.steady.forget();
+        assert_eq!(spared(&court), [false; 2]);
+    }
+}
+
+/// What changes for all is no sensor's doing, however slowly.
+#[test]
+fn a_sky_that_changes_blames_nobody() {
+    let mut court = Court::of(6, false);
+    court.ambient_c = [Some(24.0); MAX_SENSORS];
+    court.hear(70.0, |_| {});
+    for second in 1..=35 {
+        // Ground and sky come nearer to each other by half.
+        let warmer = |k: Option<f64>| k.map(|k| k + 0.5 * f64::from(second) / 35.0 * (SKY.ground_c - k));
+        let out = court.hear(1.0, |readings| readings.iter_mut().for_each(|r| *r = warmer(*r)));
+        assert_eq!(out, [0; 0], "after {second} s");
+        assert!(court.witnesses.steady.blames(&court.model).is_none());
+    }
+}
