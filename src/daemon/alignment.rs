@@ -2,25 +2,11 @@
 
 use crate::aiding::inbox::ROOM;
 use crate::aiding::{Aligner, Autopilot, Inbox, Said};
-use crate::attitude::{Attitude, Estimate, Mode};
+use crate::attitude::{Attitude, Estimate};
 use crate::frame::Frame;
-use crate::horizon::{Horizon, angle, between};
+use crate::horizon::Horizon;
 use crate::time::Time;
 use std::sync::Arc;
-
-/// The time constant with which what eases to level takes up what was carried on, s.
-const EASES_S: f64 = 1.0;
-
-/// What was published last, carried on by body rates, where another one stands in for it.
-#[derive(Clone, Copy, Debug)]
-struct Published {
-    attitude: Attitude,
-    /// What carrying had added to the standard deviations, rad.
-    unsure: Attitude,
-    /// How far the other one began from it, rad.
-    apart: f64,
-    since: Time,
-}
 
 /// Between a sampling loop's source and its estimator. Nothing is allocated after it is made.
 pub struct Alignment {
@@ -29,7 +15,6 @@ pub struct Alignment {
     aligner: Aligner,
     frame: Frame,
     shown: Estimate,
-    published: Option<Published>,
     /// Whether the body rates are believed.
     believed: bool,
 }
@@ -42,7 +27,6 @@ impl Alignment {
             said: Vec::with_capacity(ROOM),
             aligner: Aligner::new(sensors),
             frame: Frame::new(sensors),
-            published: None,
             believed: true,
             shown: Estimate {
                 faults: Vec::with_capacity(faults),
@@ -100,34 +84,21 @@ impl Alignment {
     }
 
     /// What is published of `estimate`, the newest, when `scan` is the newest: carried on to its moment by the body
-    /// rates, where there are any. What waited for them is then no older than what did not.
-    pub fn shown(&mut self, estimate: &Estimate, horizon: &Horizon, scan: &Frame) -> &Estimate {
+    /// rates, where there are any. What waited for them is then no older than what did not. `horizon` is told of it.
+    pub fn shown(&mut self, estimate: &Estimate, horizon: &mut Horizon, scan: &Frame) -> &Estimate {
         let before = (self.shown.attitude, self.shown.sigma, self.shown.rates, self.shown.valid_at);
         let measured = self.shown.measured;
         self.shown.clone_from(estimate);
         let (Some(attitude), now) = (estimate.attitude, scan.sample_time().unwrap_or(scan.time)) else {
-            self.published = None;
             return &self.shown;
         };
         if !estimate.measured {
-            if let (true, Some(published)) = (measured, before.0) {
-                let added = |was: f64, is: f64| (was * was - is * is).max(0.0).sqrt();
-                let (was, is) = (before.1, estimate.sigma);
-                self.published = Some(Published {
-                    attitude: published,
-                    unsure: Attitude { roll: added(was.roll, is.roll), pitch: added(was.pitch, is.pitch) },
-                    apart: angle(attitude.vertical(), published.vertical()),
-                    since: scan.time,
-                });
-            }
-            self.go_on(attitude, scan.time);
             // What stands in for an attitude does so at any time.
             if self.aligner.has_rates(scan.time) {
                 self.shown.valid_at = scan.time;
             }
             return &self.shown;
         }
-        self.published = None;
         let given = (attitude, estimate.sigma);
         if let Some(correction) = horizon.rate_correction()
             && let Some((carried, sigma)) = self.aligner.carry(given, correction, (estimate.valid_at, now))
@@ -142,20 +113,8 @@ impl Alignment {
             // What was carried farther is newer than this.
             (self.shown.attitude, self.shown.sigma, self.shown.rates, self.shown.valid_at) = before;
         }
+        horizon.published(&self.shown);
         &self.shown
-    }
-
-    /// What stands in goes on from what was published: held, it is that; eased to level, it begins there.
-    fn go_on(&mut self, attitude: Attitude, now: Time) {
-        let Some(published) = self.published else { return };
-        let held = self.shown.mode == Mode::Degraded;
-        let share = if held { 1.0 } else { (-now.since(published.since).max(0.0) / EASES_S).exp() };
-        let vertical = between(attitude.vertical(), published.attitude.vertical(), share);
-        self.shown.attitude = Some(if held { published.attitude } else { Attitude::from_vertical(vertical) });
-        let apart = if held { 0.0 } else { published.apart };
-        let Attitude { roll, pitch } = published.unsure;
-        self.shown.sigma.roll = self.shown.sigma.roll.hypot(roll).hypot(apart);
-        self.shown.sigma.pitch = self.shown.sigma.pitch.hypot(pitch).hypot(apart);
     }
 }
 

@@ -13,8 +13,6 @@ pub mod output;
 mod sigma_limit;
 mod stand_in;
 
-pub(crate) use continuity::{angle, between};
-
 use crate::attitude::{Attitude, Estimate, Mode};
 use crate::config::Settings;
 use crate::config::settings::Method;
@@ -195,6 +193,14 @@ impl Horizon {
             estimate.faults.extend_from_slice(&self.withheld_for);
         } else if withheld {
             self.withheld_for.clone_from(&estimate.faults);
+        }
+    }
+
+    /// Takes in what was published of the last estimate, which may have been carried on: what stands in for an attitude goes
+    /// on from there.
+    pub fn published(&mut self, estimate: &Estimate) {
+        if let Some(attitude) = estimate.attitude {
+            self.output.published(attitude, estimate.sigma);
         }
     }
 

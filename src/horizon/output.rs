@@ -43,10 +43,12 @@ pub struct Output {
     stale_after_s: f64,
     limit: SigmaLimit,
     continuity: Continuity,
-    /// What was published last, while something is.
+    /// What was said last, while something is.
     shown: Option<Shown>,
-    /// The last attitude that was given, while another stands in for it.
-    given: Option<Shown>,
+    /// What was published of it, where that was carried on.
+    published: Option<Shown>,
+    /// The last attitude that was given, while another stands in for it, and since when.
+    given: Option<(Shown, Time)>,
     /// The time for which attitudes have been held, s. A moment of trust does not give it back.
     held_s: f64,
     /// Since when the attitude has been given again.
@@ -67,6 +69,7 @@ impl Output {
             limit: SigmaLimit::new(settings.sigma_limit_deg),
             continuity: Continuity::default(),
             shown: None,
+            published: None,
             given: None,
             held_s: 0.0,
             trusted_since: None,
@@ -111,6 +114,11 @@ impl Output {
             Verdict::Nothing => self.wait(now, sampled, estimate),
             Verdict::Withheld => self.withhold(now, sampled, estimate),
         }
+    }
+
+    /// Takes in what was published of what was said last, with its standard deviations, rad: what stands in goes on from that.
+    pub fn published(&mut self, attitude: Attitude, sigma: Attitude) {
+        self.published = self.shown.map(|shown| Shown { attitude, sigma, ..shown });
     }
 
     fn give(&mut self, attitude: Attitude, sigma: Attitude, now: Time, estimate: &mut Estimate) {
@@ -163,9 +171,10 @@ impl Output {
     /// What to show at `now` for an attitude that is withheld; nothing where nothing was shown before.
     fn stand_in(&mut self, now: Time) -> Option<Shown> {
         let shown = self.shown?;
-        let given = *self.given.get_or_insert(shown);
+        let last = self.published.take().unwrap_or(shown);
+        let (given, since) = *self.given.get_or_insert((last, now));
         match self.on_fault {
-            OnFault::Level => return Some(given.levelled(now)),
+            OnFault::Level => return Some(given.levelled(now, since)),
             OnFault::Hold => {
                 // From when it was given: what no frame has renewed since is as old.
                 self.held_s += now.since(shown.at).max(0.0);

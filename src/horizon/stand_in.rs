@@ -33,9 +33,10 @@ impl Shown {
         self.moved(self.attitude, now)
     }
 
-    /// This attitude at a later time, eased towards level. How far that is from what was last known counts as error.
-    pub fn levelled(&self, now: Time) -> Shown {
-        let share = 1.0 - (-now.since(self.at).max(0.0) / EASES_S).exp();
+    /// This attitude at a later time, eased towards level from a time on. How far that is from what was last known counts as
+    /// error.
+    pub fn levelled(&self, now: Time, since: Time) -> Shown {
+        let share = 1.0 - (-now.since(since).max(0.0) / EASES_S).exp();
         self.moved(Attitude::from_vertical(between(self.attitude.vertical(), [0.0, 0.0, 1.0], share)), now)
     }
 

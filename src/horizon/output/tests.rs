@@ -102,6 +102,27 @@ fn a_held_attitude_stands_and_is_ever_less_sure_until_its_time_is_over() {
 }
 
 #[test]
+fn what_stands_in_goes_on_from_what_was_published() {
+    let carried = deg(34.0, 10.0);
+    for on_fault in [OnFault::Hold, OnFault::Level] {
+        let mut s = Stage::new(on_fault);
+        s.for_s(5.0, given(deg(30.0, 10.0), 1.0));
+        s.output.published(carried, deg(2.0, 2.0));
+        let mut last = carried;
+        for i in 1..150 {
+            let e = s.after(0.02, Verdict::Withheld).clone();
+            let now = e.attitude.unwrap();
+            let t = 0.02 * f64::from(i);
+            let unsure = 2.0_f64.hypot(6.0 * t).hypot(apart_deg(carried, now));
+            assert!((unsure_deg(&e) - unsure).abs() < 0.05 * unsure, "{on_fault:?}, frame {i}: {e:?}");
+            assert!(apart_deg(last, now) < 0.4, "{on_fault:?}, frame {i}: {e:?}");
+            assert_eq!(on_fault == OnFault::Hold, now == carried);
+            last = now;
+        }
+    }
+}
+
+#[test]
 fn a_moment_of_trust_gives_no_more_time_to_hold() {
     let mut s = Stage::new(OnFault::Hold);
     s.for_s(5.0, given(deg(0.0, 0.0), 1.0));
