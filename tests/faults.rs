@@ -13,6 +13,7 @@ use irhorizon::simulation::aircraft::Aircraft;
 use irhorizon::simulation::manoeuvre::Style;
 use irhorizon::simulation::trajectory::Trajectory;
 use irhorizon::simulation::{Flight, Scenario, SimulatedSource};
+use irhorizon::sky::FieldOfView;
 
 /// What is known to be missed, said in docs/faults.md: in how many of the flights what is asked must be reached
 /// nevertheless.
@@ -83,6 +84,33 @@ fn a_film_on_all_sensors() {
 #[test]
 fn a_stuck_sensor() {
     row(&event::STUCK);
+}
+
+/// Without noise what looks down sees the same of the ground all along, in a flight whose level sensors move by kelvins; in
+/// turns one that is stuck is found among such, too.
+#[test]
+fn sensors_that_are_all_too_quiet_repeat_themselves_honestly() {
+    let calm = Aircraft { airspeed_rms_m_s: 0.0, updraught_m_s: 0.0, ..Aircraft::default() };
+    for (seed, roll_deg) in [(0, 0.3), (1, 1.5), (2, 4.0)] {
+        let style = Style::Scripted(Flight::steady(0.0, 2.5).with_turbulence(roll_deg, 0.6 * roll_deg, seed));
+        let quiet = under(seed).with_noise(0.0).seeing(FieldOfView::Cone { half_deg: 50.0 }).lasting(1.0);
+        let source = quiet.source(500 + seed).with_trajectory(Trajectory::fly(&calm, &style, 121.0, 600 + seed));
+        fly(source, 120.0, |_, now| {
+            assert!(!now.names().any(|n| n.starts_with("sensor-stuck")), "{roll_deg}°, {} s", now.time_s);
+        });
+    }
+    for (seed, who) in ["nose", "right", "up", "down"].iter().enumerate() {
+        let quiet = under(seed as u64).with_noise(0.0).lasting(90.0).source(700 + seed as u64);
+        let source = quiet.with_faults(vec![format!("stuck:{who}@40..").parse().unwrap()]);
+        let (mut found, mut other) = (0, 0);
+        fly(source, 90.0, |_, now| {
+            let own = format!("sensor-stuck:{who}");
+            found += u32::from(now.names().any(|n| n == own) && now.time_s > 60.0);
+            other += u32::from(now.names().any(|n| n.starts_with("sensor-stuck") && n != own));
+        });
+        println!("{who}: {found} {other}");
+        assert!(found > 2 * 1490 && other == 0);
+    }
 }
 
 /// Until the witnesses know which sensor it is, what it does must not be taken for a warm side that was always there.

@@ -74,6 +74,11 @@ impl Noise {
         if self.moves_all() { STILL * self.rms_k() } else { 0.0 }
     }
 
+    /// The smallest step of its readings, K; none where it has yet to show one.
+    pub fn step_k(&self) -> f64 {
+        self.step.unwrap_or(0.0)
+    }
+
     /// How large it is, K rms.
     pub fn rms_k(&self) -> f64 {
         self.variance.sqrt()

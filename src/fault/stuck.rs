@@ -14,6 +14,15 @@ use turned::Turned;
 /// What the others must have moved by meanwhile, K, and how many of them.
 const MOVED_K: f64 = 2.0;
 const OTHERS: usize = 2;
+/// By so much, K, what looks upward must have been passed: it shows little of small banks.
+const PASSED_K: f64 = 10.0;
+/// Of six temperatures, what looks so much up or down.
+const UPRIGHT: f64 = 0.7;
+/// And by how much a method that hears the sensors one by one expects it to have moved, K, beyond a step of its readings and one of
+/// the others'.
+const DUE_K: f64 = 1.0;
+/// All that within so long, s: weather moves them, too, and what is learnt of it.
+const WITHIN_S: f64 = 20.0;
 /// Seconds for which it must have said something else again.
 const BACK_S: f64 = 0.5;
 /// A run of equal readings is one too many where it is as improbable as e to the minus this.
@@ -34,8 +43,11 @@ struct Run {
     reading_k: Option<f64>,
     since: Time,
     last: Time,
-    /// What each of the others showed meanwhile, least and most.
+    /// Since when the others are watched, what each has shown since, least and most,
+    watched: Time,
     others: Vec<Option<(f64, f64)>>,
+    /// and what they say that it should have shown.
+    due: Option<(f64, f64)>,
     /// How often a reading is repeated honestly.
     honest: f64,
     /// How improbable this run is.
@@ -65,7 +77,9 @@ impl StuckSensors {
             reading_k: None,
             since: Time::default(),
             last: Time::default(),
+            watched: Time::default(),
             others: vec![None; n],
+            due: None,
             honest: HONEST.1,
             against: 0.0,
             noise: Noise::default(),
@@ -102,6 +116,9 @@ impl StuckSensors {
         let still = self.repeating.iter().all(|r| *r);
         let [roll_rate, ..] = frame.aiding.gyro_deg_s;
         let all = self.turned.rolls(roll_rate.filter(|r| r.is_finite()), still, frame.time);
+        for (run, hearing) in self.runs.iter_mut().zip(sensors) {
+            run.due = hearing.expected_k.map(|k| extended(run.due, k)).or(run.due);
+        }
         for i in 0..self.runs.len() {
             let known = sensors.get(i).is_some_and(|h| h.standing == Standing::Stuck);
             let stuck = self.repeating[i] && (self.runs[i].stuck.is_active() || all || self.convicts(i, known));
@@ -116,12 +133,18 @@ impl StuckSensors {
         let count = repeating.iter().filter(|r| **r).count();
         let looks = |j: usize| self.head.sensors[j].direction;
         let apart = || count == 2 && (0..repeating.len()).any(|j| repeating[j] && looks(i).opposes(looks(j)));
+        let up = looks(i).dot([0.0, 0.0, 1.0]);
+        let single = up.abs() > UPRIGHT && (0..repeating.len()).any(|j| looks(i).opposes(looks(j)));
+        let least_k = if single && run.due.is_none() { PASSED_K } else { MOVED_K };
         let moved = |(j, seen): (usize, &Option<(f64, f64)>)| {
-            !repeating[j] && seen.is_some_and(|(least, most)| most - least > MOVED_K)
+            !repeating[j] && seen.is_some_and(|(least, most)| most - least > least_k)
         };
         let others = || run.others.iter().enumerate().filter(|(j, s)| moved((*j, s))).count();
         let needed = if run.against > SURE { 1 } else { OTHERS };
-        let witnessed = || !apart() && others() >= needed;
+        // What looks down may see the same of the ground all along.
+        let is_due = |(least, most): (f64, f64)| most - least > DUE_K + 2.0 * run.noise.step_k();
+        let due = || run.due.map_or(!single || up > 0.0, is_due);
+        let witnessed = || !apart() && others() >= needed && due();
         let few = count <= OTHERS && count < repeating.len();
         let alone = few && run.against > IMPROBABLE && (run.is_noisy() && self.others_are_noisy(i) || witnessed());
         alone || (known && run.against > DOUBTFUL)
@@ -151,6 +174,11 @@ impl StuckSensors {
     }
 }
 
+/// A range with one more in it.
+fn extended(range: Option<(f64, f64)>, k: f64) -> (f64, f64) {
+    range.map_or((k, k), |(least, most)| (least.min(k), most.max(k)))
+}
+
 impl Run {
     fn extend(&mut self, reading: Option<(f64, Time)>, now: Time) {
         let Some((reading, time)) = reading else { return };
@@ -168,17 +196,24 @@ impl Run {
             self.learn(0.0);
             self.reading_k = Some(reading);
             (self.since, self.against) = (time.min(now), 0.0);
-            self.others.fill(None);
+            self.watch_anew(self.since);
         }
         self.last = self.last.max(time);
     }
 
+    fn watch_anew(&mut self, now: Time) {
+        self.others.fill(None);
+        (self.watched, self.due) = (now, None);
+    }
+
     /// What the others than sensor `i` show meanwhile.
     fn watch(&mut self, i: usize, shows_k: impl Fn(usize) -> Option<f64>) {
+        if self.last.since(self.watched) > WITHIN_S {
+            self.watch_anew(self.last);
+        }
         for (j, seen) in self.others.iter_mut().enumerate().filter(|(j, _)| *j != i) {
             if let Some(k) = shows_k(j) {
-                let (least, most) = seen.unwrap_or((k, k));
-                *seen = Some((least.min(k), most.max(k)));
+                *seen = Some(extended(*seen, k));
             }
         }
     }

@@ -47,6 +47,7 @@ impl FieldEstimator {
     pub(super) fn begin_with(&mut self, start: &Start, readings: &[Option<f64>; MAX_SENSORS], now: Time) {
         let t = self.tuning;
         self.last = Some((now, now));
+        self.stuck.iter_mut().for_each(|s| s.begin(now));
         self.aid = Aid::default();
         self.misfit = Misfit::default();
         self.averaging = None;

@@ -5,8 +5,12 @@ use crate::time::Time;
 
 /// The same reading for so long, s,
 const SAME_S: f64 = 0.5;
-/// while the attitude alone would have changed it by so much, K: quiet sensors repeat themselves honestly.
+/// while the attitude alone would have changed it by so much, K, and a step of its readings, within so long, s: quiet sensors
+/// repeat themselves honestly, and what is learnt of the sky changes slowly,
 const MOVED_K: f64 = 1.0;
+const WITHIN_S: f64 = 10.0;
+/// but for the time, s, after a filter has begun.
+const SETTLES_S: f64 = 5.0;
 /// So often, at least: one may come after a gap.
 const TIMES: u32 = 3;
 /// Or for so long, s, and so many times as long as ever before, of a sensor whose noise is so many of its steps: its
@@ -20,8 +24,14 @@ const AT_REST: usize = 3;
 /// What one sensor has said since it last said something else.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stuck {
-    /// The reading, since when, and the least and most that was expected of it meanwhile.
-    same: Option<(f64, Time, f64, f64)>,
+    /// The reading, and since when.
+    same: Option<(f64, Time)>,
+    /// Since when what is expected of it is watched, least, most and last of that.
+    expected: Option<(Time, [f64; 3])>,
+    /// When the filter began.
+    begun: Option<Time>,
+    /// It would have changed.
+    moved: bool,
     /// For how long, s, and how often again.
     same_s: f64,
     times: u32,
@@ -35,11 +45,10 @@ pub struct Stuck {
 impl Stuck {
     /// Takes in a reading and what the attitude and the sky make of it, K.
     pub fn update(&mut self, reading: f64, expected: f64, now: Time) {
-        self.noise.update(reading, now, self.same.map(|(same, ..)| same));
-        match &mut self.same {
-            Some((same, since, least, most)) if *same == reading => {
-                (*least, *most) = (least.min(expected), most.max(expected));
-                (self.same_s, self.times) = (now.since(*since), self.times.saturating_add(1));
+        self.noise.update(reading, now, self.same.map(|(same, _)| same));
+        match self.same {
+            Some((same, since)) if same == reading => {
+                (self.same_s, self.times) = (now.since(since), self.times.saturating_add(1));
                 let long = self.times >= TIMES && self.same_s >= SURE_S.max(LONGEST * self.longest_s);
                 self.impossible |= long && self.noise.moves_all();
             }
@@ -47,10 +56,22 @@ impl Stuck {
                 if !self.is_wrong() {
                     self.longest_s = self.longest_s.max(self.same_s);
                 }
-                self.same = Some((reading, now, expected, expected));
+                self.same = Some((reading, now));
                 (self.same_s, self.times, self.impossible) = (0.0, 0, false);
+                (self.expected, self.moved) = (None, false);
             }
         }
+        let (since, [least, most, last]) = self.expected.unwrap_or((now, [expected; 3]));
+        let over = now.since(since) >= WITHIN_S;
+        let (since, least, most) = if over { (now, last, last) } else { (since, least, most) };
+        let range = [least.min(expected), most.max(expected), expected];
+        self.expected = self.begun.is_none_or(|begun| now.since(begun) > SETTLES_S).then_some((since, range));
+        self.moved |= self.expected.is_some_and(|(_, [least, most, _])| most - least >= MOVED_K + self.noise.step_k());
+    }
+
+    /// A filter has begun: what it expects changes with what it learns, at first.
+    pub fn begin(&mut self, now: Time) {
+        (self.expected, self.begun) = (None, Some(now));
     }
 
     /// Whether it repeats itself.
@@ -60,7 +81,7 @@ impl Stuck {
 
     /// Whether it would have changed.
     fn is_wrong(&self) -> bool {
-        self.impossible || self.repeats() && self.same.is_some_and(|(_, _, least, most)| most - least >= MOVED_K)
+        self.impossible || self.repeats() && self.moved
     }
 
     /// Whether it may be wrong: with its noise it has never said the same for so long.

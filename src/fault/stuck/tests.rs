@@ -76,6 +76,27 @@ fn a_quiet_sensor_of_coarse_steps_repeats_itself_honestly_for_ten_minutes() {
     assert_eq!(flight.fly(600.0, &[], coarse), 0);
 }
 
+/// A quiet sensor that looks at the ground, or at the sky in small banks, says the same though all others move.
+#[test]
+fn what_looks_up_or_down_repeats_itself_honestly() {
+    let mut flight = Flight::new();
+    assert_eq!(flight.fly(600.0, &[], |i, s| if i == 5 { 16.0 } else { turning(i, s) }), 0, "down");
+    let gentle = |i: usize, s: f64| if i > 3 { 0.0 } else { 0.2 * turning(i, s) };
+    assert_eq!(flight.fly(600.0, &[], gentle), 0, "in small banks");
+    // A method that expects it to move by 0.1 K every twelve seconds, or by 2 K.
+    for (due_k, stuck) in [(0.05, 0), (1.0, 1)] {
+        let mut flight = Flight::new();
+        let show = |rests: bool| move |i: usize, s: f64| if i == 5 && rests { 16.0 } else { turning(i, s) };
+        flight.fly(30.0, &[], show(false));
+        for second in 0..60 {
+            let mut sensors = [Hearing::default(); 8];
+            sensors[5].expected_k = Some(16.0 + due_k * (f64::from(second) * 0.52).sin());
+            flight.fly(1.0, &sensors, show(true));
+        }
+        assert_eq!(flight.stuck().len(), stuck, "{due_k} K");
+    }
+}
+
 #[test]
 fn a_head_at_rest_has_no_stuck_sensor_and_few_that_move_convict_none() {
     for at_rest in [&[0, 1, 2, 3, 4, 5][..], &[0, 1, 2, 3, 4], &[0, 1, 2, 3], &[0, 1, 2]] {
