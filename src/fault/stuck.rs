@@ -14,13 +14,10 @@ use turned::Turned;
 /// What the others must have moved by meanwhile, K, and how many of them.
 const MOVED_K: f64 = 2.0;
 const OTHERS: usize = 2;
-/// By so much, K, what looks upward must have been passed: it shows little of small banks.
-const PASSED_K: f64 = 10.0;
-/// Of six temperatures, what looks so much up or down.
-const UPRIGHT: f64 = 0.7;
-/// And by how much a method that hears the sensors one by one expects it to have moved, K, beyond a step of its readings and one of
-/// the others'.
+/// And by how much it should have moved itself, K, beyond a step of its readings and one of the others', where that is known:
+/// from a method that hears the sensors one by one; else of what looks so much up or down, which shows little of small banks.
 const DUE_K: f64 = 1.0;
+const UPRIGHT: f64 = 0.7;
 /// All that within so long, s: weather moves them, too, and what is learnt of it.
 const WITHIN_S: f64 = 20.0;
 /// Seconds for which it must have said something else again.
@@ -133,21 +130,31 @@ impl StuckSensors {
         let count = repeating.iter().filter(|r| **r).count();
         let looks = |j: usize| self.head.sensors[j].direction;
         let apart = || count == 2 && (0..repeating.len()).any(|j| repeating[j] && looks(i).opposes(looks(j)));
-        let up = looks(i).dot([0.0, 0.0, 1.0]);
-        let single = up.abs() > UPRIGHT && (0..repeating.len()).any(|j| looks(i).opposes(looks(j)));
-        let least_k = if single && run.due.is_none() { PASSED_K } else { MOVED_K };
         let moved = |(j, seen): (usize, &Option<(f64, f64)>)| {
-            !repeating[j] && seen.is_some_and(|(least, most)| most - least > least_k)
+            !repeating[j] && seen.is_some_and(|(least, most)| most - least > MOVED_K)
         };
         let others = || run.others.iter().enumerate().filter(|(j, s)| moved((*j, s))).count();
         let needed = if run.against > SURE { 1 } else { OTHERS };
-        // What looks down may see the same of the ground all along.
-        let is_due = |(least, most): (f64, f64)| most - least > DUE_K + 2.0 * run.noise.step_k();
-        let due = || run.due.map_or(!single || up > 0.0, is_due);
+        let due_k = || run.due.map(|(least, most)| most - least).or_else(|| self.upright_k(i));
+        let due = || due_k().is_none_or(|k| k > DUE_K + 2.0 * run.noise.step_k());
         let witnessed = || !apart() && others() >= needed && due();
         let few = count <= OTHERS && count < repeating.len();
         let alone = few && run.against > IMPROBABLE && (run.is_noisy() && self.others_are_noisy(i) || witnessed());
         alone || (known && run.against > DOUBTFUL)
+    }
+
+    /// By how much sensor `i` should have moved by what the others show, K, if it looks up or down: those that look level move
+    /// with the sine of an angle of whose cosine it shows something, and of six temperatures the one below nothing but ground.
+    fn upright_k(&self, i: usize) -> Option<f64> {
+        let (run, sensors) = (&self.runs[i], &self.head.sensors);
+        let up = sensors[i].direction.dot([0.0, 0.0, 1.0]);
+        let shows_ground = up < 0.0 && sensors.iter().any(|s| sensors[i].direction.opposes(s.direction));
+        let shown = |(least, most): &(f64, f64)| {
+            let (sine_k, level_k) = ((most - least) / 2.0, (most + least) / 2.0);
+            sine_k * sine_k / (2.0 * run.reading_k.map_or(1.0, |k| (k - level_k).abs().max(1.0)))
+        };
+        let most_k = || run.others.iter().flatten().map(shown).fold(0.0, f64::max);
+        (up.abs() > UPRIGHT).then(|| if shows_ground { 0.0 } else { most_k() })
     }
 
     /// Whether the others than sensor `i` go on by as much as their noise: what all lose at once was no sensor's own.

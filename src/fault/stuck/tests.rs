@@ -81,7 +81,7 @@ fn a_quiet_sensor_of_coarse_steps_repeats_itself_honestly_for_ten_minutes() {
 fn what_looks_up_or_down_repeats_itself_honestly() {
     let mut flight = Flight::new();
     assert_eq!(flight.fly(600.0, &[], |i, s| if i == 5 { 16.0 } else { turning(i, s) }), 0, "down");
-    let gentle = |i: usize, s: f64| if i > 3 { 0.0 } else { 0.2 * turning(i, s) };
+    let gentle = |i: usize, s: f64| if i > 3 { 20.0 } else { 0.2 * turning(i, s) };
     assert_eq!(flight.fly(600.0, &[], gentle), 0, "in small banks");
     // A method that expects it to move by 0.1 K every twelve seconds, or by 2 K.
     for (due_k, stuck) in [(0.05, 0), (1.0, 1)] {
